@@ -1,0 +1,25 @@
+# One interface target carries every flag, so that no directory has flags of its own.
+add_library(ca2_options INTERFACE)
+target_compile_options(ca2_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+                                             -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual)
+# The same picture must give the same answer on every machine: no fused multiply-add where the source has none.
+target_compile_options(ca2_options INTERFACE -ffp-contract=off)
+if(CA2_WERROR)
+  target_compile_options(ca2_options INTERFACE -Werror)
+endif()
+target_include_directories(ca2_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+
+if(CA2_SANITIZE)
+  if(CA2_SANITIZE MATCHES "thread" AND CA2_SANITIZE MATCHES "address")
+    message(FATAL_ERROR "CA2_SANITIZE=${CA2_SANITIZE}: the thread and address sanitizers exclude each other")
+  endif()
+  target_compile_options(ca2_options INTERFACE -fsanitize=${CA2_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(ca2_options INTERFACE -fsanitize=${CA2_SANITIZE})
+endif()
+
+find_program(CA2_CCACHE ccache)
+if(CA2_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CA2_CCACHE})
+endif()
+
+configure_file(${PROJECT_SOURCE_DIR}/cmake/version.h.in ${PROJECT_BINARY_DIR}/generated/ca2_version.h @ONLY)

@@ -1,0 +1,14 @@
+# Every library, once; the README's table says what each is for.
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc calib3d)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(PNG REQUIRED)
+find_package(tl-expected REQUIRED)
+find_package(Threads REQUIRED)
+find_package(CLI11 REQUIRED)
+# PCL's include path through pkg-config: its CMake package insists on VTK, and its .pc files list MPI and HDF5,
+# which nothing here links. The libraries are linked by name.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(PCL REQUIRED pcl_common)
+pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)

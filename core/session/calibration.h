@@ -1,0 +1,80 @@
+/// @file The answer of a calibration: what result.yaml holds (design.md 3.3).
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/camera_model.h"
+#include "core/geometry/pose.h"
+#include "core/types/result.h"
+
+namespace ca2 {
+
+struct CalibratedTransform {
+  std::string parent, child;  ///< sensor names
+  std::string parent_frame, child_frame;
+  Pose T_parent_child;
+  Matrix6d covariance = Matrix6d::Zero();  ///< right perturbation (rotation rad, translation m)
+
+  double sigma_rotation() const { return std::sqrt(covariance.topLeftCorner<3, 3>().trace()); }  ///< rad
+  double sigma_translation() const { return std::sqrt(covariance.bottomRightCorner<3, 3>().trace()); }  ///< m
+};
+
+struct CalibratedCamera {
+  Camera camera;
+  bool estimated = false;     ///< false: the given intrinsics, unchanged
+  std::vector<double> sigma;  ///< per parameter; 0 for one that was held
+};
+
+struct CalibratedLidar {
+  double range_bias = 0;  ///< m: measured minus true
+  double range_bias_sigma = 0;
+  double range_sigma = 0;  ///< m: noise of one return, from the residuals
+  bool estimated = false;  ///< the bias was estimated
+};
+
+struct CalibratedView {
+  int id = 0;
+  bool used = false;
+  std::string reason;           ///< why not used, for a person; empty when used
+  double reprojection_rms = 0;  ///< px
+  double plane_rms = 0;         ///< m
+};
+
+struct Observability {
+  std::string verdict;            ///< "good", "weak" or "refused"
+  std::string weakest_direction;  ///< in words
+  double condition = 0;  ///< largest over smallest standard deviation, translation in m per 1 m lever
+};
+
+struct Validation {
+  double leave_one_out_translation = 0;  ///< m, rms change of the answer when a view is left out
+  double leave_one_out_rotation = 0;     ///< rad
+  std::optional<double>
+      outline_offset;  ///< m: outline's centre as the LiDAR sees it, beside the camera's, in the plane
+  double reprojection_rms = 0;  ///< px
+  double range_rms = 0;         ///< m
+};
+
+struct Calibration {
+  std::string software;  ///< "ca2 0.1.0"
+  std::string method;    ///< "joint", "plane_to_plane", "kim"
+  std::vector<CalibratedTransform> transforms;
+  std::map<std::string, CalibratedCamera> cameras;
+  std::map<std::string, CalibratedLidar> lidars;
+  Observability observability;
+  Validation validation;
+  std::vector<CalibratedView> views;
+};
+
+/// result.yaml's text, 17 significant digits.
+std::string to_yaml(const Calibration& calibration);
+/// The same content as JSON: what `ca2 solve --json` prints.
+std::string to_json(const Calibration& calibration);
+Result<Calibration> read_calibration(const std::filesystem::path& file);
+
+}  // namespace ca2

@@ -1,0 +1,52 @@
+/// @file A session: the directory that holds everything one calibration knows (design.md 3.2).
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/session/rig.h"
+#include "core/types/image.h"
+#include "core/types/result.h"
+#include "core/types/scan.h"
+
+namespace ca2 {
+
+/// A pixel of a LiDAR's projection by ID that a person picked on the board.
+struct Pick {
+  int row = 0;
+  int column = 0;
+  double radius = 0;  ///< px; 0: the default
+};
+
+/// Where the data of one view is. Nothing is loaded.
+struct SessionView {
+  int id = 0;
+  std::filesystem::path directory;
+  std::map<std::string, std::filesystem::path> images;  ///< by camera
+  std::map<std::string, std::filesystem::path> clouds;  ///< by LiDAR
+  std::map<std::string, Pick> picks;                    ///< by LiDAR, from view.yaml
+};
+
+struct Session {
+  std::filesystem::path directory;
+  Rig rig;
+  std::vector<SessionView> views;  ///< by rising id
+  std::vector<Problem> warnings;   ///< what was odd but did not stop the reading (a view without a pair, ...)
+};
+
+/// Reads session.yaml and lists the views. Views with a problem of their own become warnings.
+Result<Session> open_session(const std::filesystem::path& directory);
+
+/// Creates the directory with its session.yaml; fails if there is a session already.
+Result<Session> create_session(const std::filesystem::path& directory, const Rig& rig);
+
+/// Adds a view: written to a hidden temporary directory, fsynced and renamed, so that it exists whole or not
+/// at all. `details` is the text of view.yaml; empty: none. Returns the view as open_session would list it.
+Result<SessionView> write_view(const std::filesystem::path& session, int id,
+                               const std::map<std::string, Image>& images,
+                               const std::map<std::string, Scan>& scans, const std::string& details = {});
+
+}  // namespace ca2

@@ -1,0 +1,1 @@
+#include "drivers/lidar/beam_table.h"

@@ -1,0 +1,74 @@
+#include "tools/ca2/command.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <vector>
+
+#include "ca2_version.h"
+
+namespace ca2 {
+
+#define CA2_COMMAND(name, help) CommandBody setup_##name(CLI::App& app);
+#include "tools/ca2/commands.def"
+#undef CA2_COMMAND
+
+namespace {
+
+struct Command {
+  const char* name;
+  const char* help;
+  CommandSetup setup;
+};
+
+const std::vector<Command>& commands() {
+  static const std::vector<Command> list{
+#define CA2_COMMAND(name, help) {#name, help, setup_##name},
+#include "tools/ca2/commands.def"
+#undef CA2_COMMAND
+  };
+  return list;
+}
+
+int report(const Error& error) {
+  for (const Problem& problem : error.problems) {
+    std::fprintf(stderr, "ca2: %s\n",
+                 Error(error.code, problem.where, problem.what, problem.hint).text().c_str());
+  }
+  return static_cast<int>(error.code);
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App app("Calibrates LiDARs and cameras with a printed board.", "ca2");
+  app.set_version_flag("--version", "ca2 " CA2_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done, 1 refused (no result written), 64 usage, 65 bad data, 73 cannot create,\n"
+      "74 I/O, 78 bad configuration. `ca2 COMMAND --help` explains a command.");
+  std::vector<CommandBody> bodies;
+  for (const Command& command : commands()) {
+    bodies.push_back(command.setup(*app.add_subcommand(command.name, command.help)));
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "ca2: %s; see `ca2 --help`\n", error.what());
+    return static_cast<int>(ErrorCode::usage);
+  }
+  try {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      if (!app.got_subcommand(commands()[i].name)) continue;
+      const Result<int> result = bodies[i]();
+      return result ? *result : report(result.error());
+    }
+  } catch (const std::exception& error) {
+    return report(
+        Error(ErrorCode::internal, "", std::string("internal error: ") + error.what(), "please report this"));
+  }
+  return 0;
+}
+
+}  // namespace ca2
