@@ -36,8 +36,8 @@ struct Board {
   std::string dictionary = "DICT_5X5_100";  ///< charuco only
   std::optional<Outline> outline;
 
-  /// Half the outline, or of the printed pattern where no outline is given, m, and its centre: what a
-  /// LiDAR sees of the board is at least this.
+  /// The outline, or the printed pattern where none is given: what a LiDAR sees of the board is at least
+  /// this.
   Outline extent() const;
 };
 

@@ -1,0 +1,33 @@
+#include <array>
+
+#include "core/board/board.h"
+
+namespace ca2 {
+
+#define CA2_BOARD_TYPE(name) const BoardType& name##_board();
+#include "core/board/boards.def"
+#undef CA2_BOARD_TYPE
+
+std::span<const BoardType* const> board_types() {
+  static const std::array types{
+#define CA2_BOARD_TYPE(name) &name##_board(),
+#include "core/board/boards.def"
+#undef CA2_BOARD_TYPE
+  };
+  return types;
+}
+
+const BoardType* find_board_type(std::string_view name) {
+  for (const BoardType* type : board_types()) {
+    if (type->name() == name) return type;
+  }
+  return nullptr;
+}
+
+Outline Board::extent() const {
+  if (outline) return *outline;
+  const Eigen::Vector2d size = type->pattern_size(*this);
+  return {size.x(), size.y(), Eigen::Vector2d::Zero()};
+}
+
+}  // namespace ca2
