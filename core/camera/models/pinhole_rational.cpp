@@ -1,0 +1,40 @@
+// Pinhole with rational radial and decentring distortion: ROS rational_polynomial, OpenCV's 8 coefficients.
+#include <array>
+
+#include "core/camera/brown.h"
+#include "core/camera/check_parameters.h"
+
+namespace ca2 {
+namespace {
+
+class PinholeRational final : public CameraModel {
+ public:
+  std::string_view name() const override { return "pinhole_rational"; }
+  std::span<const std::string_view> parameter_names() const override {
+    static constexpr std::array<std::string_view, 12> names{"fx", "fy", "cx", "cy", "k1", "k2",
+                                                            "p1", "p2", "k3", "k4", "k5", "k6"};
+    return names;
+  }
+
+  std::optional<Eigen::Vector2d> project(const CameraParameters& parameters, const Eigen::Vector3d& point,
+                                         ProjectionJacobian* jacobian) const override {
+    return brown_project(parameters, point, jacobian);
+  }
+  std::optional<Eigen::Vector3d> unproject(const CameraParameters& parameters,
+                                           const Eigen::Vector2d& pixel) const override {
+    return brown_unproject(parameters, pixel);
+  }
+  std::optional<std::string> invalid(const CameraParameters& parameters) const override {
+    return common_invalid(*this, parameters);
+  }
+};
+
+}  // namespace
+
+const CameraModel& pinhole_rational_model();
+const CameraModel& pinhole_rational_model() {
+  static const PinholeRational model;
+  return model;
+}
+
+}  // namespace ca2
