@@ -1,8 +1,10 @@
 /// @file The file formats of sensors' data, and writing that a power cut cannot tear.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "core/types/image.h"
 #include "core/types/result.h"
@@ -16,17 +18,36 @@ Result<std::string> read_text(const std::filesystem::path& file, std::size_t lim
 /// Writes beside the file, fsyncs, renames over it and fsyncs the directory: old or new, never torn.
 Result<void> write_atomically(const std::filesystem::path& file, const std::string& content);
 
-/// PNG, 8 or 16 bits, grey or colour (palette and alpha are resolved). The writer filters with UP and
-/// compresses fast: 20 times quicker than the default for 2 % more bytes.
+/// Writes a new file and fsyncs it; ErrorCode::cannot_create where there is something of that name already.
+/// For the files of a directory that is renamed as a whole.
+Result<void> write_new(const std::filesystem::path& file, const std::string& content);
+/// fsync of a directory: makes the creations and renames in it durable.
+Result<void> sync_directory(const std::filesystem::path& directory);
+
+/// PNG, 8 or 16 bits, grey or colour. A palette is resolved (to grey where all its colours are), alpha is
+/// dropped, fewer than 8 bits are scaled to 8. At most 30000 x 30000 pixels and 512 MiB of them; whatever is
+/// damaged or cut short is ErrorCode::data.
 Result<Image> read_png(const std::filesystem::path& file);
+/// The writer filters with UP and compresses by run lengths: many times quicker than the default for a few
+/// per cent more bytes. Atomic, as write_atomically.
 Result<void> write_png(const std::filesystem::path& file, const Image& image);
 /// In memory, for reports.
 Result<std::string> encode_png(const Image& image);
+/// `name` is what errors call the picture.
+Result<Image> decode_png(std::string_view bytes, const std::string& name);
 
-/// PCD v0.7 (and 0.6), ASCII or binary, any field order, unknown fields skipped, organised or not. x y z are
-/// required; intensity, ring, column, range and time (t, timestamp; s or ns by their type) are read where
-/// there. binary_compressed is refused with a word on how to convert. The writer makes binary files.
+/// PCD v0.7 (and 0.6), ASCII or binary, any field order, unknown fields and those with COUNT > 1 skipped,
+/// organised or not. x y z are required; intensity, ring, column, range and time (t, timestamp; float: s,
+/// integer: ns) are read where there. A point with a coordinate that is not finite becomes an all-NaN point.
+/// A cloud of 2 to 256 rows without a ring field is taken for a range image: ring is the row, column the
+/// column. VIEWPOINT is ignored: points are in the sensor's frame. binary_compressed is refused with a word
+/// on how to convert. Errors are ErrorCode::data with the line (binary: the field and point).
 Result<Scan> read_pcd(const std::filesystem::path& file);
+/// The writer makes binary files, with the fields that the scan knows: x y z intensity range as F 4, ring
+/// as U 2, column as U 4, time as I 8 (ns). The comment "# grid RINGS COLUMNS" keeps the sensor's grid, which
+/// the returns alone do not tell. Atomic, as write_atomically.
 Result<void> write_pcd(const std::filesystem::path& file, const Scan& scan);
+Result<Scan> parse_pcd(std::string_view content, const std::string& name);
+Result<std::string> encode_pcd(const Scan& scan);
 
 }  // namespace ca2

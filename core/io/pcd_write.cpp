@@ -1,0 +1,86 @@
+#include <cstring>
+
+#include "core/io/files.h"
+
+namespace ca2 {
+namespace {
+
+/// A field of the file and where its values lie in memory.
+struct Column {
+  const char* name;
+  char type;
+  std::size_t size;    // bytes
+  const char* values;  // of the first point
+  std::size_t step;    // bytes from one point's value to the next
+};
+
+/// The arrays that the scan has, in the order of the fields.
+std::vector<Column> columns_of(const Scan& scan) {
+  std::vector<Column> columns;
+  const auto* xyz = reinterpret_cast<const char*>(scan.points.data());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    static constexpr const char* names[] = {"x", "y", "z"};
+    columns.push_back({names[axis], 'F', 4, xyz ? xyz + 4 * axis : nullptr, sizeof(Eigen::Vector3f)});
+  }
+  const auto add = [&](const char* name, char type, const auto& values) {
+    using Value = typename std::remove_reference_t<decltype(values)>::value_type;
+    if (values.empty()) return;
+    columns.push_back(
+        {name, type, sizeof(Value), reinterpret_cast<const char*>(values.data()), sizeof(Value)});
+  };
+  add("intensity", 'F', scan.intensity);
+  add("ring", 'U', scan.ring);
+  add("column", 'U', scan.column);
+  add("range", 'F', scan.range);
+  add("time", 'I', scan.time);
+  return columns;
+}
+
+std::string header_of(const Scan& scan, const std::vector<Column>& columns) {
+  std::string fields = "FIELDS", sizes = "SIZE", types = "TYPE", counts = "COUNT";
+  for (const Column& column : columns) {
+    fields += std::string(" ") + column.name;
+    sizes += " " + std::to_string(column.size);
+    types += std::string(" ") + column.type;
+    counts += " 1";
+  }
+  const std::string points = std::to_string(scan.size());
+  std::string header = "# .PCD v0.7 - Point Cloud Data file format\n";
+  if (scan.rings > 0 || scan.columns > 0) {
+    header += "# grid " + std::to_string(scan.rings) + " " + std::to_string(scan.columns) + "\n";
+  }
+  return header + "VERSION 0.7\n" + fields + "\n" + sizes + "\n" + types + "\n" + counts + "\nWIDTH " +
+         points + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n";
+}
+
+}  // namespace
+
+Result<std::string> encode_pcd(const Scan& scan) {
+  const auto fits = [&](std::size_t size) { return size == 0 || size == scan.size(); };
+  if (!fits(scan.intensity.size()) || !fits(scan.range.size()) || !fits(scan.ring.size()) ||
+      !fits(scan.column.size()) || !fits(scan.time.size())) {
+    return fail(ErrorCode::internal, "", "a scan whose arrays have different lengths");
+  }
+  const std::vector<Column> columns = columns_of(scan);
+  std::string content = header_of(scan, columns);
+  std::size_t stride = 0;
+  for (const Column& column : columns) stride += column.size;
+  std::size_t offset = content.size();
+  content.resize(content.size() + stride * scan.size());
+  for (const Column& column : columns) {
+    char* to = content.data() + offset;
+    for (std::size_t i = 0; i < scan.size(); ++i, to += stride) {
+      std::memcpy(to, column.values + i * column.step, column.size);
+    }
+    offset += column.size;
+  }
+  return content;
+}
+
+Result<void> write_pcd(const std::filesystem::path& file, const Scan& scan) {
+  const Result<std::string> content = encode_pcd(scan);
+  if (!content) return fail(content.error());
+  return write_atomically(file, *content);
+}
+
+}  // namespace ca2
