@@ -47,7 +47,7 @@ TEST(Png, RoundTripsEveryFormat) {
   const test::TemporaryDirectory directory;
   for (const int channels : {1, 3}) {
     for (const int bits : {8, 16}) {
-      for (const auto [width, height] : {std::pair(1, 1), {7, 5}, {640, 3}}) {
+      for (const auto& [width, height] : {std::pair(1, 1), {7, 5}, {640, 3}}) {
         const Image image = random_image(width, height, channels, bits);
         ASSERT_TRUE(write_png(directory / "a.png", image));
         const auto read = read_png(directory / "a.png");
