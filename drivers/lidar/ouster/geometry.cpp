@@ -1,0 +1,38 @@
+#include "drivers/lidar/ouster/geometry.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace ca2 {
+
+OusterGeometry make_ouster_geometry(const OusterMetadata& metadata) {
+  constexpr double radian = std::numbers::pi / 180;
+  constexpr double mm = 1e-3;
+  OusterGeometry out;
+  out.origin_x = metadata.beam_origin_x * mm;
+  out.origin_z = metadata.beam_origin_z * mm;
+  // The vendor takes the signed offset when it lies in the plane, else the length.
+  out.origin_range = out.origin_z == 0 ? out.origin_x : std::hypot(out.origin_x, out.origin_z);
+  out.t = metadata.lidar_to_sensor.topRightCorner<3, 1>() * mm;
+
+  out.rows.reserve(metadata.altitude.size());
+  for (std::size_t row = 0; row < metadata.altitude.size(); ++row) {
+    const double altitude = metadata.altitude[row] * radian;
+    const double azimuth = -metadata.azimuth[row] * radian;
+    out.rows.push_back(
+        {std::cos(altitude) * std::cos(azimuth), std::cos(altitude) * std::sin(azimuth), std::sin(altitude)});
+  }
+  const Eigen::Matrix3d R = metadata.lidar_to_sensor.topLeftCorner<3, 3>();
+  out.columns.reserve(static_cast<std::size_t>(metadata.columns_per_frame));
+  for (int column = 0; column < metadata.columns_per_frame; ++column) {
+    // The head turns clockwise seen from above: azimuth falls as the measurement id rises.
+    const double encoder =
+        2 * std::numbers::pi * (1.0 - column / static_cast<double>(metadata.columns_per_frame));
+    Eigen::Matrix3d turn;
+    turn << std::cos(encoder), -std::sin(encoder), 0, std::sin(encoder), std::cos(encoder), 0, 0, 0, 1;
+    out.columns.push_back({R * turn});
+  }
+  return out;
+}
+
+}  // namespace ca2
