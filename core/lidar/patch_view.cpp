@@ -1,0 +1,80 @@
+#include "core/lidar/patch_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ca2 {
+
+PatchFrame::PatchFrame(const Plane& p, const Eigen::Vector3d& near_point) : plane(p) {
+  origin = near_point - p.distance(near_point) * p.normal;
+  const Eigen::Vector3d axis =
+      std::abs(p.normal.z()) < 0.9 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
+  e_u = axis.cross(p.normal).normalized();
+  e_v = e_u.cross(p.normal);
+}
+
+std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame, double radius, double band,
+                                 std::size_t most) {
+  std::vector<PatchRay> rays;
+  const Eigen::Vector3f n = frame.plane.normal.cast<float>(), origin = frame.origin.cast<float>();
+  const Eigen::Vector3f e_u = frame.e_u.cast<float>(), e_v = frame.e_v.cast<float>();
+  const auto d = static_cast<float>(frame.plane.offset), limit = static_cast<float>(radius);
+  const float rho = std::hypot(origin.x(), origin.y());
+  if (rho < limit) return rays;  // around or over the sensor: no picture of it
+  const float half_angle = std::asin(limit / rho);
+  const int half = std::min(static_cast<int>(half_angle / image.column_angle) + 1, image.columns / 2 - 1);
+  const float azimuth = std::atan2(origin.y(), origin.x());
+  const int middle = static_cast<int>((std::numbers::pi_v<float> - azimuth) / image.column_angle);
+  const auto reaches = [&](int row) {
+    // The steepest cone still meets the disc within rho +- limit.
+    const float slope = image.slope[static_cast<std::size_t>(row)], height = image.height[static_cast<std::size_t>(row)];
+    return std::abs(height + slope * rho - origin.z()) < limit * (1 + std::abs(slope));
+  };
+  int low = 0, high = image.rows - 1;
+  while (low < image.rows && !reaches(low)) ++low;
+  while (high > low && !reaches(high)) --high;
+  int row_step = 1, column_step = 1;
+  const auto count = [&] {
+    return static_cast<std::size_t>(high - low + 1) / row_step * (2 * static_cast<std::size_t>(half) + 1) / column_step;
+  };
+  while (low <= high && count() > most) {
+    // Thin the denser direction.
+    const float rows = image.row_angle[static_cast<std::size_t>((low + high) / 2)] * static_cast<float>(row_step);
+    (rows < image.column_angle * static_cast<float>(column_step) ? row_step : column_step) *= 2;
+  }
+  for (int row = low; row <= high; row += row_step) {
+    const float slope = image.slope[static_cast<std::size_t>(row)], height = image.height[static_cast<std::size_t>(row)];
+    for (int k = -half; k <= half; k += column_step) {
+      const int column = image.wrap((middle + k + image.columns) % image.columns);
+      if (!image.in_view[static_cast<std::size_t>(column)]) continue;
+      const std::size_t i = image.index(row, column);
+      const bool absent = image.range[i] == 0;
+      const Eigen::Vector3f& p = image.point[i];
+      float cx, cy;
+      if (absent) {
+        const float angle =
+            std::numbers::pi_v<float> - static_cast<float>(column) * image.column_angle;
+        cx = std::cos(angle), cy = std::sin(angle);
+      } else {
+        const float scale = 1 / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), 1e-3f);
+        cx = p.x() * scale, cy = p.y() * scale;
+      }
+      const float toward = n.x() * cx + n.y() * cy + n.z() * slope;
+      if (toward > -1e-3f) continue;
+      const float reach = -(d + n.z() * height) / toward;
+      if (reach <= 0) continue;
+      const Eigen::Vector3f meets = Eigen::Vector3f(reach * cx, reach * cy, height + reach * slope) - origin;
+      PatchRay ray{e_u.dot(meets), e_v.dot(meets), 0, RayEnd::absent, static_cast<std::uint32_t>(i)};
+      if (ray.u * ray.u + ray.v * ray.v > limit * limit) continue;
+      if (!absent) {
+        ray.distance = n.dot(p) + d;
+        ray.end = ray.distance > band ? RayEnd::front : ray.distance < -band ? RayEnd::behind : RayEnd::on;
+      }
+      rays.push_back(ray);
+    }
+  }
+  return rays;
+}
+
+}  // namespace ca2

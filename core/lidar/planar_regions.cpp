@@ -1,0 +1,179 @@
+#include "core/lidar/planar_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/lidar/plane_sums.h"
+
+namespace ca2 {
+namespace {
+
+constexpr std::uint8_t kClosed = 2;  // a cell with this many claims starts no further region
+
+/// The largest power of two that is not over x; 1 below that. Powers of two keep the lattices of near and
+/// far surfaces nested, so that a surface visited coarsely is not visited again by finer seeds.
+int power_of_two_below(float x) {
+  int power = 1;
+  while (static_cast<float>(2 * power) <= x && power < 64) power *= 2;
+  return power;
+}
+
+class RegionGrower {
+ public:
+  RegionGrower(const RingImage& image, float width, float height)
+      : image_(image),
+        short_side_(std::min(width, height)),
+        diagonal_(std::hypot(width, height)),
+        board_area_(width * height),
+        claims_(image.range.size(), 0),
+        stamps_(image.range.size(), 0) {}
+
+  PlanarRegions run() {
+    PlanarRegions out;
+    out.noise = estimate_noise();
+    band_ = std::clamp(3.5f * out.noise, 0.02f, 0.08f);
+    for (int row = 0; row < image_.rows; ++row) {
+      for (int column = 0; column < image_.columns; ++column) {
+        const std::size_t i = image_.index(row, column);
+        if (claims_[i] >= kClosed || !on_seed_lattice(row, column, image_.range[i])) continue;
+        const auto seed = fit_seed(row, column);
+        if (!seed || seed->rms > 2 * out.noise + 0.004f) continue;
+        if (auto region = grow(row, column, *seed)) out.regions.push_back(*std::move(region));
+      }
+    }
+    return out;
+  }
+
+ private:
+  float row_gap(int row, float range) const { return range * image_.row_angle[static_cast<std::size_t>(row)]; }
+  float column_gap(float range) const { return range * image_.column_angle; }
+
+  bool on_seed_lattice(int row, int column, float range) const {
+    // Too far for two rings and a handful of returns on the board.
+    if (range == 0 || row_gap(row, range) > diagonal_ || column_gap(range) > 0.2f * diagonal_) return false;
+    const int rows = power_of_two_below(0.25f * short_side_ / row_gap(row, range));
+    const int columns = power_of_two_below(0.25f * short_side_ / column_gap(range));
+    return (row & (rows - 1)) == 0 && (column & (columns - 1)) == 0;
+  }
+
+  /// A plane through the surroundings of a cell, as far as the board's short side allows. Where rings lie
+  /// far apart the patch is the cell's ring and the one above.
+  std::optional<PlaneSums::Fit> fit_seed(int row, int column) const {
+    const Eigen::Vector3f& centre = image_.point[image_.index(row, column)];
+    const float range = image_.range[image_.index(row, column)], reach = 0.3f * short_side_;
+    const float gap = row_gap(row, range);
+    const int below = std::min(row, static_cast<int>(reach / gap));
+    const int above = std::min(image_.rows - 1 - row, std::max(1, static_cast<int>(reach / gap)));
+    const int half = std::clamp(static_cast<int>(reach / column_gap(range)), 2, image_.columns / 8);
+    const int row_step = std::max(1, (below + above) / 6), column_step = std::max(1, half / 5);
+    const float limit = (3 * reach) * (3 * reach);  // of a surface at 70 degrees of incidence
+    PlaneSums sums(centre);
+    int cells = 0;
+    for (int r = row - below; r <= row + above; r += row_step) {
+      for (int c = column - half; c <= column + half; c += column_step) {
+        ++cells;
+        const std::size_t i = image_.index(r, image_.wrap(c));
+        if (image_.range[i] > 0 && (image_.point[i] - centre).squaredNorm() < limit) sums.add(image_.point[i]);
+      }
+    }
+    if (sums.count() < 6 || sums.count() * 4 < cells * 3) return std::nullopt;
+    const PlaneSums::Fit fit = sums.fit();
+    if (fit.thinness < 0.05f) return std::nullopt;
+    return fit;
+  }
+
+  /// Most of what a LiDAR sees is smooth: the lower third of the patches' residuals is noise alone.
+  float estimate_noise() const {
+    std::vector<float> rms;
+    const int row_step = std::max(1, image_.rows / 24), column_step = std::max(1, image_.columns / 48);
+    for (int row = 0; row < image_.rows; row += row_step) {
+      for (int column = 0; column < image_.columns; column += column_step) {
+        const float range = image_.range[image_.index(row, column)];
+        if (range == 0 || row_gap(row, range) > diagonal_) continue;
+        if (const auto fit = fit_seed(row, column)) rms.push_back(fit->rms);
+      }
+    }
+    if (rms.empty()) return 0.02f;
+    const auto third = rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 3);
+    std::nth_element(rms.begin(), third, rms.end());
+    return std::clamp(*third, 0.003f, 0.025f);
+  }
+
+  /// Flood fill of one plane on the lattice; none when it is a wall, or nothing near the board's size.
+  std::optional<PlanarRegion> grow(int seed_row, int seed_column, const PlaneSums::Fit& seed) {
+    ++stamp_;
+    PlaneSums::Fit plane = seed;
+    const Eigen::Vector3f start = image_.point[image_.index(seed_row, seed_column)];
+    PlaneSums sums(start);
+    PlanarRegion region;
+    float far_area = 0;
+    int refit_at = 24;
+    queue_.clear();
+    push(seed_row, seed_column);
+    for (std::size_t next = 0; next < queue_.size(); ++next) {
+      const auto [row, column] = queue_[next];
+      const std::size_t i = image_.index(row, column);
+      const Eigen::Vector3f& p = image_.point[i];
+      if (std::abs(plane.normal.dot(p) + plane.offset) > band_) continue;
+      sums.add(p);
+      region.cells.push_back(static_cast<std::uint32_t>(i));
+      const float range = image_.range[i];
+      const int rows = row_step(row, range), columns = column_step(range);
+      const float facing = std::max(0.1f, plane.offset / range);  // cosine of the incidence
+      const float area = row_gap(row, range) * static_cast<float>(rows) * column_gap(range) *
+                         static_cast<float>(columns) * std::hypot(p.x(), p.y()) / (range * facing);
+      ((p - start).squaredNorm() > diagonal_ * diagonal_ * 1.1f ? far_area : region.area) += area;
+      if (sums.count() == refit_at) plane = sums.fit(), refit_at *= 2;
+      visit(row, column - columns);
+      visit(row, column + columns);
+      visit(row - rows, column);
+      visit(row + rows, column);
+    }
+    const bool wall = far_area > 0.35f * board_area_;
+    const bool fits = !wall && region.area > 0.3f * board_area_ && region.area < 2.2f * board_area_;
+    for (const std::uint32_t i : region.cells) {
+      claims_[i] = static_cast<std::uint8_t>(std::min<int>(kClosed, claims_[i] + (wall || fits ? kClosed : 1)));
+    }
+    if (!fits) return std::nullopt;
+    plane = sums.fit();
+    region.plane = {plane.normal.cast<double>().normalized(), plane.offset};
+    return region;
+  }
+
+  int row_step(int row, float range) const {
+    return power_of_two_below(0.125f * short_side_ / row_gap(row, range));
+  }
+  int column_step(float range) const { return power_of_two_below(0.125f * short_side_ / column_gap(range)); }
+
+  void visit(int row, int column) {
+    if (row < 0 || row >= image_.rows) return;
+    column = image_.wrap(column);
+    const float range = image_.range[image_.index(row, column)];
+    if (range == 0) return;
+    // Back on the lattice of this cell's own range.
+    push(row & ~(row_step(row, range) - 1), column & ~(column_step(range) - 1));
+  }
+
+  void push(int row, int column) {
+    const std::size_t i = image_.index(row, column);
+    if (image_.range[i] == 0 || stamps_[i] == stamp_) return;
+    stamps_[i] = stamp_;
+    queue_.push_back({row, column});
+  }
+
+  const RingImage& image_;
+  float short_side_, diagonal_, board_area_, band_ = 0;
+  std::vector<std::uint8_t> claims_;
+  std::vector<std::uint32_t> stamps_;  ///< the region that last visited a cell
+  std::uint32_t stamp_ = 0;
+  std::vector<std::pair<int, int>> queue_;
+};
+
+}  // namespace
+
+PlanarRegions find_planar_regions(const RingImage& image, double width, double height) {
+  return RegionGrower(image, static_cast<float>(width), static_cast<float>(height)).run();
+}
+
+}  // namespace ca2

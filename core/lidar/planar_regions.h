@@ -1,0 +1,28 @@
+/// @file Planar pieces of a ring image that end where the board would.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/plane.h"
+#include "core/lidar/ring_image.h"
+
+namespace ca2 {
+
+/// A connected planar piece. Where the board would have many cells, only every few of them are listed.
+struct PlanarRegion {
+  Plane plane;                       ///< sensor frame
+  std::vector<std::uint32_t> cells;  ///< of the ring image, those visited
+  float area = 0;                    ///< m^2, of all the surface that the visited cells stand for
+};
+
+struct PlanarRegions {
+  std::vector<PlanarRegion> regions;
+  float noise = 0;  ///< m, typical distance of returns from a smooth surface in this scan
+};
+
+/// Grows planes over the ring image from seeds laid a quarter of the board's shorter side apart, and keeps
+/// those whose surface is about the board's and does not go on beyond it. `width`, `height` in m.
+PlanarRegions find_planar_regions(const RingImage& image, double width, double height);
+
+}  // namespace ca2

@@ -1,0 +1,28 @@
+/// @file Where in its plane a rectangle of known size lies.
+#pragma once
+
+#include <span>
+
+namespace ca2 {
+
+/// Where a ray meets the plane, and what that says: positive for a return on the plane, negative for a ray
+/// that went through it.
+struct PlaneSample {
+  float u, v;    ///< m, in the plane
+  float weight;  ///< of being inside the rectangle
+};
+
+/// Centre in the plane (m) and the angle of the width side (rad, in [0, pi)).
+struct PlaneRectangle {
+  double u = 0, v = 0, angle = 0;
+  double weight = 0;  ///< sum of the weights inside
+
+  /// Coordinates along the rectangle's sides, from its centre.
+  void local(double pu, double pv, double& x, double& y) const;
+};
+
+/// The pose of the rectangle with the largest weight inside; where many are as good (rings lie far apart),
+/// the middle of them. Deterministic.
+PlaneRectangle fit_rectangle(std::span<const PlaneSample> samples, double width, double height);
+
+}  // namespace ca2

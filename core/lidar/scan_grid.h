@@ -1,0 +1,47 @@
+/// @file Rings and columns of returns whose file or sensor did not name them.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "core/types/scan.h"
+
+namespace ca2 {
+
+/// rad, in [-pi, pi]; error under 2e-5, which is a hundredth of the finest column, at a fifth of atan2's time.
+inline float fast_azimuth(float x, float y) {
+  const float ax = std::abs(x), ay = std::abs(y);
+  const float a = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-30f), s = a * a;
+  // Odd minimax polynomial of the arc tangent on [0, 1] (Abramowitz and Stegun 4.4.49).
+  float angle =
+      a * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
+  if (ay > ax) angle = std::numbers::pi_v<float> / 2 - angle;
+  if (x < 0) angle = std::numbers::pi_v<float> - angle;
+  return y < 0 ? -angle : angle;
+}
+
+/// A return that is one: finite, and not the zeros some drivers write for a missing return.
+inline bool is_return(const Eigen::Vector3f& p) {
+  const float square = p.squaredNorm();
+  return square > 1e-4f && square < 1e8f;
+}
+
+/// A ring for every return, `none` for missing ones.
+struct RingIds {
+  static constexpr std::uint16_t none = 0xffff;
+  std::vector<std::uint16_t> ring;
+  int rings = 0;
+  bool beams = false;  ///< they are the sensor's beams, not slices of elevation
+};
+RingIds find_rings(const Scan& scan);
+
+/// A column for every return (meaningless where the ring is `none`).
+struct ColumnIds {
+  std::vector<std::uint32_t> column;
+  int columns = 0;
+};
+ColumnIds find_columns(const Scan& scan, const RingIds& rings);
+
+}  // namespace ca2
