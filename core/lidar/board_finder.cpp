@@ -29,7 +29,8 @@ std::vector<BoardCandidate> find_board_candidates(const Scan& scan, const Board&
   for (const PlanarRegion& region : planar.regions) {
     if (auto candidate = judge_region(context, region)) judged.push_back(*std::move(candidate));
   }
-  std::stable_sort(judged.begin(), judged.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  std::stable_sort(judged.begin(), judged.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
   for (BoardCandidate& candidate : judged) {
     if (static_cast<int>(kept.size()) >= options.max_candidates) break;
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const BoardCandidate& other) {

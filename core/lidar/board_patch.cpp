@@ -5,53 +5,16 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/lidar/patch_view.h"
+#include "core/lidar/outline_fit.h"
 #include "core/lidar/ray_plane.h"
-#include "core/lidar/rectangle_fit.h"
 
 namespace ca2 {
 namespace {
-
-constexpr std::size_t kSearchRays = 2000;  // enough for a rim to a few millimetres; the fit's cost is linear
 
 Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) sum += p;
   return sum / static_cast<double>(std::max<std::size_t>(points.size(), 1));
-}
-
-/// A rectangle in a plane's coordinates, with the rays it was fitted to.
-struct Placed {
-  PatchFrame frame;
-  std::vector<PatchRay> rays;
-  PlaneRectangle rectangle;
-};
-
-Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
-                       double radius, double band) {
-  Placed placed{PatchFrame(plane, centre), {}, {}};
-  placed.rays = view_patch(context.image, placed.frame, radius, band, kSearchRays);
-  std::vector<PlaneSample> samples;
-  for (const PatchRay& ray : placed.rays) {
-    // A ray through the board is worth as much as a return on it; a missing return is weaker (black print),
-    // and something before the plane may hide either.
-    const float weight = ray.end == RayEnd::on       ? 1.0f
-                         : ray.end == RayEnd::behind ? -1.0f
-                         : ray.end == RayEnd::absent ? -0.3f
-                                                     : -0.05f;
-    samples.push_back({ray.u, ray.v, weight});
-  }
-  placed.rectangle = fit_rectangle(samples, context.width, context.height);
-  return placed;
-}
-
-/// Distance (m) a ray's meeting point lies outside the rectangle, negative inside, and of which side.
-double outside(const PatchContext& context, const PlaneRectangle& rectangle, float u, float v, int& side) {
-  double x = 0, y = 0;
-  rectangle.local(u, v, x, y);
-  const double dx = std::abs(x) - context.width / 2, dy = std::abs(y) - context.height / 2;
-  side = dx > dy ? (x > 0 ? 0 : 1) : (y > 0 ? 2 : 3);
-  return std::max(dx, dy);
 }
 
 /// How the rectangle is filled and how free its sides are, each 0..1.
@@ -62,9 +25,11 @@ struct Evidence {
 };
 
 Evidence weigh(const PatchContext& context, const Placed& placed, double margin, double band) {
-  const double near_row = placed.frame.origin.norm() *
-                          context.image.row_angle[placed.rays.empty() ? 0 : placed.rays[placed.rays.size() / 2].cell /
-                                                                              context.image.columns];
+  const double near_row =
+      placed.frame.origin.norm() *
+      context.image
+          .row_angle[placed.rays.empty() ? 0
+                                         : placed.rays[placed.rays.size() / 2].cell / context.image.columns];
   // Wide enough for a ring to pass beyond the rim.
   const double rim = std::max(0.15 * std::min(context.width, context.height), 1.3 * near_row);
   double on = 0, hollow = 0;
@@ -73,7 +38,7 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
   Evidence evidence;
   for (const PatchRay& ray : placed.rays) {
     int side = 0;
-    const double distance = outside(context, placed.rectangle, ray.u, ray.v, side);
+    const double distance = outside(context, placed.rectangle, ray, side);
     if (distance < -margin) {
       if (ray.end == RayEnd::on) {
         ++on;
@@ -87,7 +52,8 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
       seen[static_cast<std::size_t>(side)] += 1;
       if (ray.end == RayEnd::on) solid[static_cast<std::size_t>(side)] += 1;
       // What falls away slowly is the neighbouring face of a body, not a free rim.
-      if (ray.end == RayEnd::behind && ray.distance > -2.5 * band) solid[static_cast<std::size_t>(side)] += 0.5;
+      if (ray.end == RayEnd::behind && ray.distance > -2.5 * band)
+        solid[static_cast<std::size_t>(side)] += 0.5;
       if (ray.end == RayEnd::front) solid[static_cast<std::size_t>(side)] += 0.3;
     }
   }
@@ -95,8 +61,8 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
   evidence.fill = on / std::max(on + hollow, 1.0);
   evidence.least_free = 1;
   for (std::size_t s = 0; s < 4; ++s) {
-    // A side no ray passed is neither for nor against.
-    const double free = seen[s] < 2 ? 0.7 : 1 - solid[s] / seen[s];
+    // No ray passed this side: the field of view ends there, and the surface may well go on.
+    const double free = seen[s] < 2 ? 0.4 : 1 - solid[s] / seen[s];
     evidence.free += free / 4;
     evidence.least_free = std::min(evidence.least_free, free);
   }
@@ -107,7 +73,7 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
 bool beside_front(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
   const RingImage& image = context.image;
   const int row = static_cast<int>(cell) / image.columns, column = static_cast<int>(cell) % image.columns;
-  for (const auto [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
+  for (const auto& [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
     if (row + dr < 0 || row + dr >= image.rows) continue;
     const std::size_t i = image.index(row + dr, image.wrap(column + dc));
     if (image.range[i] > 0 && plane.distance(image.point[i].cast<double>()) > band) return true;
@@ -120,16 +86,18 @@ bool beside_front(const PatchContext& context, const Plane& plane, std::uint32_t
 std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Placed& placed, double margin,
                                           double band) {
   std::vector<std::uint32_t> list;
-  const double radius = std::hypot(context.width, context.height) / 2 +
-                        std::hypot(placed.rectangle.u, placed.rectangle.v);
+  const double radius =
+      std::hypot(context.width, context.height) / 2 + std::hypot(placed.rectangle.u, placed.rectangle.v);
   for (const PatchRay& ray : view_patch(context.image, placed.frame, radius, band, SIZE_MAX)) {
     int side = 0;
-    if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray.u, ray.v, side) > -margin) continue;
+    if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
     if (beside_front(context, placed.frame.plane, ray.cell, band)) continue;
     const int row = static_cast<int>(ray.cell) / context.image.columns;
     const int column = static_cast<int>(ray.cell) % context.image.columns;
-    for (const std::uint32_t i : context.projection.cell(context.image.ring[static_cast<std::size_t>(row)], column)) {
-      if (std::abs(placed.frame.plane.distance(context.scan.points[i].cast<double>())) < band) list.push_back(i);
+    for (const std::uint32_t i :
+         context.projection.cell(context.image.ring[static_cast<std::size_t>(row)], column)) {
+      if (std::abs(placed.frame.plane.distance(context.scan.points[i].cast<double>())) < band)
+        list.push_back(i);
     }
   }
   return list;
@@ -174,8 +142,7 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
     if (returns.size() < 8) return std::nullopt;
     points = points_of(context.scan, returns);
     fit = fit_ranges(points, placed->frame.plane);
-    const PlaneRectangle& r = placed->rectangle;
-    centre = placed->frame.origin + r.u * placed->frame.e_u + r.v * placed->frame.e_v;
+    centre = centre_of(*placed);
     const double facing = std::abs(fit.plane.normal.dot(centre.normalized()));
     band = std::clamp(4 * fit.sigma * facing, 0.015, 0.09);
   }
@@ -185,17 +152,11 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
   candidate.plane = fit.plane;
   candidate.returns = std::move(returns);
   candidate.rms = fit.rms;
-  const double c = std::cos(placed->rectangle.angle), s = std::sin(placed->rectangle.angle);
-  // The frame's axes turned with the refit plane: project them on it.
-  const Eigen::Vector3d z = -fit.plane.normal;
-  Eigen::Vector3d x = c * placed->frame.e_u + s * placed->frame.e_v;
-  x = (x - x.dot(z) * z).normalized();
-  candidate.T_lidar_board.R << x, z.cross(x), z;
-  candidate.T_lidar_board.t = centre - fit.plane.distance(centre) * fit.plane.normal;
+  candidate.T_lidar_board = pose_of(*placed, fit.plane);
   const double smooth = std::min(1.0, 1.6 * context.noise / std::max(fit.rms, 1e-4));
-  const double enough = candidate.returns.size() / (candidate.returns.size() + 10.0);
+  const auto count = static_cast<double>(candidate.returns.size());
   candidate.score = evidence.fill * evidence.fill * evidence.free * (0.5 + 0.5 * evidence.least_free) *
-                    std::sqrt(smooth) * enough;
+                    std::sqrt(smooth) * count / (count + 10);
   candidate.why = explain(evidence, candidate);
   return candidate;
 }

@@ -28,7 +28,8 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
   const int middle = static_cast<int>((std::numbers::pi_v<float> - azimuth) / image.column_angle);
   const auto reaches = [&](int row) {
     // The steepest cone still meets the disc within rho +- limit.
-    const float slope = image.slope[static_cast<std::size_t>(row)], height = image.height[static_cast<std::size_t>(row)];
+    const float slope = image.slope[static_cast<std::size_t>(row)],
+                height = image.height[static_cast<std::size_t>(row)];
     return std::abs(height + slope * rho - origin.z()) < limit * (1 + std::abs(slope));
   };
   int low = 0, high = image.rows - 1;
@@ -36,15 +37,18 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
   while (high > low && !reaches(high)) --high;
   int row_step = 1, column_step = 1;
   const auto count = [&] {
-    return static_cast<std::size_t>(high - low + 1) / row_step * (2 * static_cast<std::size_t>(half) + 1) / column_step;
+    return static_cast<std::size_t>(high - low + 1) / row_step * (2 * static_cast<std::size_t>(half) + 1) /
+           column_step;
   };
   while (low <= high && count() > most) {
     // Thin the denser direction.
-    const float rows = image.row_angle[static_cast<std::size_t>((low + high) / 2)] * static_cast<float>(row_step);
+    const float rows =
+        image.row_angle[static_cast<std::size_t>((low + high) / 2)] * static_cast<float>(row_step);
     (rows < image.column_angle * static_cast<float>(column_step) ? row_step : column_step) *= 2;
   }
   for (int row = low; row <= high; row += row_step) {
-    const float slope = image.slope[static_cast<std::size_t>(row)], height = image.height[static_cast<std::size_t>(row)];
+    const float slope = image.slope[static_cast<std::size_t>(row)],
+                height = image.height[static_cast<std::size_t>(row)];
     for (int k = -half; k <= half; k += column_step) {
       const int column = image.wrap((middle + k + image.columns) % image.columns);
       if (!image.in_view[static_cast<std::size_t>(column)]) continue;
@@ -53,8 +57,7 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
       const Eigen::Vector3f& p = image.point[i];
       float cx, cy;
       if (absent) {
-        const float angle =
-            std::numbers::pi_v<float> - static_cast<float>(column) * image.column_angle;
+        const float angle = std::numbers::pi_v<float> - static_cast<float>(column) * image.column_angle;
         cx = std::cos(angle), cy = std::sin(angle);
       } else {
         const float scale = 1 / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), 1e-3f);

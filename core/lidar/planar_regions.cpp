@@ -46,7 +46,9 @@ class RegionGrower {
   }
 
  private:
-  float row_gap(int row, float range) const { return range * image_.row_angle[static_cast<std::size_t>(row)]; }
+  float row_gap(int row, float range) const {
+    return range * image_.row_angle[static_cast<std::size_t>(row)];
+  }
   float column_gap(float range) const { return range * image_.column_angle; }
 
   bool on_seed_lattice(int row, int column, float range) const {
@@ -74,7 +76,8 @@ class RegionGrower {
       for (int c = column - half; c <= column + half; c += column_step) {
         ++cells;
         const std::size_t i = image_.index(r, image_.wrap(c));
-        if (image_.range[i] > 0 && (image_.point[i] - centre).squaredNorm() < limit) sums.add(image_.point[i]);
+        if (image_.range[i] > 0 && (image_.point[i] - centre).squaredNorm() < limit)
+          sums.add(image_.point[i]);
       }
     }
     if (sums.count() < 6 || sums.count() * 4 < cells * 3) return std::nullopt;
@@ -133,7 +136,8 @@ class RegionGrower {
     const bool wall = far_area > 0.35f * board_area_;
     const bool fits = !wall && region.area > 0.3f * board_area_ && region.area < 2.2f * board_area_;
     for (const std::uint32_t i : region.cells) {
-      claims_[i] = static_cast<std::uint8_t>(std::min<int>(kClosed, claims_[i] + (wall || fits ? kClosed : 1)));
+      claims_[i] =
+          static_cast<std::uint8_t>(std::min<int>(kClosed, claims_[i] + (wall || fits ? kClosed : 1)));
     }
     if (!fits) return std::nullopt;
     plane = sums.fit();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <vector>
 
 namespace ca2 {
@@ -30,8 +31,10 @@ class SlidingWindow {
     int from = 0, to = 0;
     for (int i = 1; i <= last; ++i) {
       sum += bins_[static_cast<std::size_t>(i + window_ - 1)] - bins_[static_cast<std::size_t>(i - 1)];
-      if (sum > top + 1e-3f) top = sum, from = to = i;
-      else if (sum > top - 1e-3f && to == i - 1) to = i;
+      if (sum > top + 1e-3f)
+        top = sum, from = to = i;
+      else if (sum > top - 1e-3f && to == i - 1)
+        to = i;
     }
     return {(static_cast<float>(from + to) / 2 + static_cast<float>(window_) / 2) * bin_ - reach_, top};
   }

@@ -15,13 +15,13 @@ namespace ca2 {
 struct RingImage {
   int rows = 0;  ///< rings with returns, lowest first
   int columns = 0;
-  float column_angle = 0;               ///< rad
-  std::vector<int> ring;                ///< [row] the projection's ring
-  std::vector<float> slope, height;     ///< [row] the cone, as in Projection
-  std::vector<float> row_angle;         ///< [row] rad to the next row (the last: from the one before)
-  std::vector<float> range;             ///< [row * columns + column] m, from the origin; 0: nothing came back
-  std::vector<Eigen::Vector3f> point;   ///< m; mean of the cell's returns where they agree
-  std::vector<std::uint8_t> in_view;    ///< [column] something came back in some row
+  float column_angle = 0;              ///< rad
+  std::vector<int> ring;               ///< [row] the projection's ring
+  std::vector<float> slope, height;    ///< [row] the cone, as in Projection
+  std::vector<float> row_angle;        ///< [row] rad to the next row (the last: from the one before)
+  std::vector<float> range;            ///< [row * columns + column] m, from the origin; 0: nothing came back
+  std::vector<Eigen::Vector3f> point;  ///< m; mean of the cell's returns where they agree
+  std::vector<std::uint8_t> in_view;   ///< [column] something came back in some row
 
   std::size_t index(int row, int column) const { return static_cast<std::size_t>(row) * columns + column; }
   int wrap(int column) const {

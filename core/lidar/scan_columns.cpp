@@ -66,9 +66,8 @@ int columns_from_azimuths(const RingIds& rings, const std::vector<float>& turns)
   }
   if (!step) {
     // Slices of elevation: as many columns as give a cell one or two returns.
-    const auto returns = static_cast<float>(std::count_if(rings.ring.begin(), rings.ring.end(), [](auto ring) {
-      return ring != RingIds::none;
-    }));
+    const auto returns = static_cast<float>(
+        std::count_if(rings.ring.begin(), rings.ring.end(), [](auto ring) { return ring != RingIds::none; }));
     step = 1.5f * static_cast<float>(rings.rings) / std::max(returns, 1.0f);
   }
   return std::clamp(static_cast<int>(std::lround(1 / *step)), kMinColumns, kMaxColumns);
@@ -97,8 +96,9 @@ ColumnIds columns_by_azimuth(const Scan& scan, const RingIds& rings) {
   ids.columns = columns_from_azimuths(rings, turns);
   ids.column.assign(scan.size(), 0);
   for (float& t : turns) t *= static_cast<float>(ids.columns);
-  const std::vector<float> phase =
-      rings.beams ? ring_phases(rings, turns) : std::vector<float>(static_cast<std::size_t>(rings.rings), 0.0f);
+  const std::vector<float> phase = rings.beams
+                                       ? ring_phases(rings, turns)
+                                       : std::vector<float>(static_cast<std::size_t>(rings.rings), 0.0f);
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (rings.ring[i] == RingIds::none) continue;
     const int column = static_cast<int>(turns[i] - phase[rings.ring[i]] + 0.5f);
@@ -121,12 +121,14 @@ std::optional<ColumnIds> columns_as_given(const Scan& scan, const RingIds& rings
     std::vector<int> used(sum.size(), 0);
     for (std::size_t i = 0; i < scan.size(); i += 7) {
       if (rings.ring[i] == RingIds::none || scan.column[i] >= static_cast<std::uint32_t>(columns)) continue;
-      const float angle = 2 * kPi * (turn(scan.points[i]) - sign * static_cast<float>(scan.column[i]) / count);
+      const float angle =
+          2 * kPi * (turn(scan.points[i]) - sign * static_cast<float>(scan.column[i]) / count);
       sum[rings.ring[i]] += Eigen::Vector2f(std::cos(angle), std::sin(angle));
       ++used[rings.ring[i]];
     }
     float together = 0, all = 0;
-    for (std::size_t r = 0; r < sum.size(); ++r) together += sum[r].norm(), all += static_cast<float>(used[r]);
+    for (std::size_t r = 0; r < sum.size(); ++r)
+      together += sum[r].norm(), all += static_cast<float>(used[r]);
     // For a small scatter of standard deviation s the mean vector's length is 1 - s^2 / 2: s of 0.7 columns.
     const float scatter = 0.7f * 2 * kPi / count;
     if (all == 0 || 1 - together / all > scatter * scatter / 2 + 1e-6f) continue;

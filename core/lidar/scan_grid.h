@@ -10,13 +10,13 @@
 
 namespace ca2 {
 
-/// rad, in [-pi, pi]; error under 2e-5, which is a hundredth of the finest column, at a fifth of atan2's time.
+/// rad, in [-pi, pi]; error under 2e-5, which is a hundredth of the finest column, at a fifth of atan2's
+/// time.
 inline float fast_azimuth(float x, float y) {
   const float ax = std::abs(x), ay = std::abs(y);
   const float a = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-30f), s = a * a;
   // Odd minimax polynomial of the arc tangent on [0, 1] (Abramowitz and Stegun 4.4.49).
-  float angle =
-      a * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
+  float angle = a * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
   if (ay > ax) angle = std::numbers::pi_v<float> / 2 - angle;
   if (x < 0) angle = std::numbers::pi_v<float> - angle;
   return y < 0 ? -angle : angle;

@@ -39,13 +39,14 @@ std::vector<int> cluster_bins(const std::vector<int>& histogram, int returns) {
       width = 0;
     }
   }
-  const bool parted = rings >= 4 && rings <= 256 && widest * kBin < 0.01f;
+  const bool parted = rings >= 4 && rings <= 256 && static_cast<float>(widest) * kBin < 0.01f;
   return parted ? ring_of_bin : std::vector<int>{};
 }
 
 /// Slices of equal elevation with a column's height or about twice it: as many as leave few cells empty.
 int slice_count(std::size_t returns, float field) {
-  const double cell = 1.5 * field * 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(returns, 1));
+  const double cell =
+      1.5 * field * 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(returns, 1));
   return std::clamp(static_cast<int>(field / std::sqrt(2 * cell)), 8, 256);
 }
 

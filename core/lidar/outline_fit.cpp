@@ -1,0 +1,54 @@
+#include "core/lidar/outline_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ca2 {
+namespace {
+
+constexpr std::size_t kSearchRays = 2000;  // enough for a rim to a few millimetres; the fit's cost is linear
+
+}  // namespace
+
+Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
+                       double radius, double band) {
+  Placed placed{PatchFrame(plane, centre), {}, {}};
+  placed.rays = view_patch(context.image, placed.frame, radius, band, kSearchRays);
+  std::vector<PlaneSample> samples;
+  for (const PatchRay& ray : placed.rays) {
+    // A ray through the board is worth as much as a return on it; a missing return is weaker (black print),
+    // and something before the plane may hide either.
+    const float weight = ray.end == RayEnd::on       ? 1.0f
+                         : ray.end == RayEnd::behind ? -1.0f
+                         : ray.end == RayEnd::absent ? -0.3f
+                                                     : -0.05f;
+    samples.push_back({ray.u, ray.v, weight});
+  }
+  placed.rectangle = fit_rectangle(samples, context.width, context.height);
+  return placed;
+}
+
+Eigen::Vector3d centre_of(const Placed& placed) {
+  return placed.frame.origin + placed.rectangle.u * placed.frame.e_u + placed.rectangle.v * placed.frame.e_v;
+}
+
+Pose pose_of(const Placed& placed, const Plane& plane) {
+  const double c = std::cos(placed.rectangle.angle), s = std::sin(placed.rectangle.angle);
+  const Eigen::Vector3d z = -plane.normal, centre = centre_of(placed);
+  Eigen::Vector3d x = c * placed.frame.e_u + s * placed.frame.e_v;
+  x = (x - x.dot(z) * z).normalized();
+  Pose pose;
+  pose.R << x, z.cross(x), z;
+  pose.t = centre - plane.distance(centre) * plane.normal;
+  return pose;
+}
+
+double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray, int& side) {
+  double x = 0, y = 0;
+  rectangle.local(ray.u, ray.v, x, y);
+  const double dx = std::abs(x) - context.width / 2, dy = std::abs(y) - context.height / 2;
+  side = dx > dy ? (x > 0 ? 0 : 1) : (y > 0 ? 2 : 3);
+  return std::max(dx, dy);
+}
+
+}  // namespace ca2

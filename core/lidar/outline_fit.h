@@ -1,0 +1,44 @@
+/// @file The board's outline laid over what the rays around a plane tell.
+#pragma once
+
+#include <vector>
+
+#include "core/geometry/pose.h"
+#include "core/lidar/patch_view.h"
+#include "core/lidar/rectangle_fit.h"
+#include "core/types/scan.h"
+
+namespace ca2 {
+
+/// What is judged, and against what.
+struct PatchContext {
+  const Scan& scan;
+  const Projection& projection;
+  const RingImage& image;
+  double width, height;  ///< m, the board
+  double noise;          ///< m, of this scan
+};
+
+/// A rectangle in a plane's coordinates, with the rays it was fitted to.
+struct Placed {
+  PatchFrame frame;
+  std::vector<PatchRay> rays;
+  PlaneRectangle rectangle;
+};
+
+/// The board's rectangle where it covers most returns on the plane and fewest rays through it, among the
+/// rays that meet the plane within `radius` (m) of `centre`. `band`: m, so near the plane is on it.
+Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
+                       double radius, double band);
+
+/// The rectangle's centre, m, sensor frame.
+Eigen::Vector3d centre_of(const Placed& placed);
+
+/// T_lidar_board of the rectangle, moved onto `plane` (a refit of the one it was placed in).
+Pose pose_of(const Placed& placed, const Plane& plane);
+
+/// Distance (m) by which a ray passes outside the rectangle, negative inside, and beyond which of its sides
+/// (0..3).
+double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray, int& side);
+
+}  // namespace ca2
