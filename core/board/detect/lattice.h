@@ -1,0 +1,55 @@
+/// @file Chessboard lattices among the saddles of a picture.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/board/detect/saddle_pyramid.h"
+
+namespace ca2 {
+
+/// The four ways to leave a saddle along its edges: +e0, +e1, -e0, -e1.
+inline Eigen::Vector2d slot_direction(const Saddle& saddle, int slot) {
+  const Eigen::Vector2d& e = slot % 2 == 0 ? saddle.e0 : saddle.e1;
+  return slot < 2 ? e : Eigen::Vector2d(-e);
+}
+
+/// The slot on whose side of this one it is bright.
+inline int bright_slot(int slot) {
+  return slot ^ 1;
+}
+
+/// Which saddles are next to each other on a chessboard: for each and each slot the index of the neighbour
+/// (both agree on it), or -1.
+std::vector<std::array<int, 4>> link_neighbours(const std::vector<SaddleLevel>& levels,
+                                                const std::vector<Saddle>& saddles);
+
+/// Does a chessboard's edge run from a (leaving by `slot`) to b: bright on one side, dark on the other, all
+/// the way?
+bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b);
+
+using Cell = std::pair<int, int>;  ///< (i, j): steps along the lattice's two axes
+
+/// A corner of a lattice, and which way its slots lead.
+struct Node {
+  Saddle saddle;
+  std::array<Cell, 4> step;  ///< by slot
+};
+
+/// A connected piece of a chessboard. Ordered by cell: iteration is deterministic.
+using Lattice = std::map<Cell, Node>;
+
+/// The pieces with at least `least` corners, largest first, at most `most` of them.
+std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
+                                        const std::vector<std::array<int, 4>>& links, std::size_t least,
+                                        std::size_t most);
+
+/// Looks for the corners missing in and around a lattice where its neighbours predict them, until nothing is
+/// added or it has more than `most` corners.
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most);
+
+}  // namespace ca2

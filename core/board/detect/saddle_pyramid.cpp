@@ -1,0 +1,299 @@
+#include "core/board/detect/saddle_pyramid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/core/hal/intrin.hpp>
+
+namespace ca2 {
+namespace {
+
+// Below, everything is noise: at sigma 1.2 px in all, a step of 10 grey values answers with 2.2.
+constexpr double least_strength = 2.0;
+// A board has fewer corners than this by far; the rest is room for texture that outshines it.
+constexpr std::size_t most_peaks[] = {6000, 3000, 1500};
+constexpr std::size_t most_saddles[] = {2500, 1200, 600};
+constexpr int level_count = 3;
+
+Image halved(const Image& image) {
+  Image half{image.width / 2, image.height / 2, 1, 8, {}};
+  half.bytes.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
+  for (int y = 0; y < half.height; ++y) {
+    const std::uint8_t* a = image.bytes.data() + static_cast<std::size_t>(2 * y) * image.width;
+    const std::uint8_t* b = a + image.width;
+    std::uint8_t* to = half.bytes.data() + static_cast<std::size_t>(y) * half.width;
+    int x = 0;
+    for (; x + 16 <= half.width; x += 16) {
+      cv::v_uint8x16 a0, a1, b0, b1;
+      cv::v_load_deinterleave(a + 2 * x, a0, a1);
+      cv::v_load_deinterleave(b + 2 * x, b0, b1);
+      cv::v_uint16x8 low, high, sum_low, sum_high;
+      cv::v_expand(a0, sum_low, sum_high);
+      for (const cv::v_uint8x16& part : {a1, b0, b1}) {
+        cv::v_expand(part, low, high);
+        sum_low += low;
+        sum_high += high;
+      }
+      cv::v_store(to + x, cv::v_rshr_pack<2>(sum_low, sum_high));
+    }
+    for (; x < half.width; ++x) {
+      to[x] = static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) >> 2);
+    }
+  }
+  return half;
+}
+
+/// Binomial 1 4 6 4 1 in both directions; the rim is repeated.
+SaddleLevel smoothed(const Image& image, double scale) {
+  const int w = image.width;
+  const int h = image.height;
+  SaddleLevel level{w, h, scale, {}};
+  level.smooth.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  std::vector<std::uint16_t> column(static_cast<std::size_t>(w) + 4);
+  for (int y = 0; y < h; ++y) {
+    const std::uint8_t* row[5];
+    for (int k = 0; k < 5; ++k) {
+      row[k] = image.bytes.data() + static_cast<std::size_t>(std::clamp(y + k - 2, 0, h - 1)) * w;
+    }
+    int x = 0;
+    for (; x + 8 <= w; x += 8) {
+      const cv::v_uint16x8 middle = cv::v_load_expand(row[2] + x);
+      const cv::v_uint16x8 near = cv::v_load_expand(row[1] + x) + cv::v_load_expand(row[3] + x);
+      const cv::v_uint16x8 far = cv::v_load_expand(row[0] + x) + cv::v_load_expand(row[4] + x);
+      const cv::v_uint16x8 sum = far + (near << 2) + (middle << 2) + (middle << 1);
+      cv::v_store(column.data() + 2 + x, sum);
+    }
+    for (; x < w; ++x) {
+      column[static_cast<std::size_t>(x) + 2] =
+          static_cast<std::uint16_t>(row[0][x] + row[4][x] + 4 * (row[1][x] + row[3][x]) + 6 * row[2][x]);
+    }
+    column[0] = column[1] = column[2];
+    column[static_cast<std::size_t>(w) + 3] = column[static_cast<std::size_t>(w) + 2] =
+        column[static_cast<std::size_t>(w) + 1];
+    std::int16_t* to = level.smooth.data() + static_cast<std::size_t>(y) * w;
+    const std::uint16_t* c = column.data();
+    for (x = 0; x + 8 <= w; x += 8) {
+      const cv::v_uint16x8 middle = cv::v_load(c + x + 2);
+      const cv::v_uint16x8 near = cv::v_load(c + x + 1) + cv::v_load(c + x + 3);
+      const cv::v_uint16x8 far = cv::v_load(c + x) + cv::v_load(c + x + 4);
+      const cv::v_uint16x8 sum = far + (near << 2) + (middle << 2) + (middle << 1);
+      cv::v_store(to + x, cv::v_reinterpret_as_s16(sum >> 4));
+    }
+    for (; x < w; ++x) {
+      const int sum = c[x] + c[x + 4] + 4 * (c[x + 1] + c[x + 3]) + 6 * c[x + 2];
+      to[x] = static_cast<std::int16_t>(sum >> 4);
+    }
+  }
+  return level;
+}
+
+// The response is (64 Ixy)^2 - (64 Ixx)(64 Iyy) of grey values, times 2^-10, saturated: it fits 16 bits.
+constexpr int response_shift = 10;
+
+/// -det of the Hessian of one row, 0 in the 4 columns next to the rim.
+void respond(const SaddleLevel& level, int y, std::int16_t* to) {
+  const int w = level.width;
+  const std::int16_t* above = level.smooth.data() + static_cast<std::size_t>(y - 1) * w;
+  const std::int16_t* here = above + w;
+  const std::int16_t* below = here + w;
+  int x = 4;
+  for (; x + 8 <= w - 4; x += 8) {
+    const auto load = [x](const std::int16_t* row, int dx) { return cv::v_load(row + x + dx); };
+    const cv::v_int16x8 twice = load(here, 0) << 1;
+    const cv::v_int16x8 xx = (load(here, 1) + load(here, -1) - twice) << 2;
+    const cv::v_int16x8 yy = (twice - load(above, 0) - load(below, 0)) << 2;  // negated
+    const cv::v_int16x8 xy = (load(below, 1) - load(below, -1)) - (load(above, 1) - load(above, -1));
+    cv::v_int16x8 a0, a1, b0, b1;
+    cv::v_zip(xy, xx, a0, a1);
+    cv::v_zip(xy, yy, b0, b1);
+    cv::v_store(to + x,
+                cv::v_pack(cv::v_dotprod(a0, b0) >> response_shift, cv::v_dotprod(a1, b1) >> response_shift));
+  }
+  for (; x < w - 4; ++x) {
+    const int xx = 4 * (here[x + 1] + here[x - 1] - 2 * here[x]);
+    const int yy = 4 * (2 * here[x] - above[x] - below[x]);
+    const int xy = below[x + 1] - below[x - 1] - above[x + 1] + above[x - 1];
+    to[x] = static_cast<std::int16_t>(std::clamp((xy * xy + xx * yy) >> response_shift, -32768, 32767));
+  }
+}
+
+struct Peak {
+  int value;
+  int x;
+  int y;
+};
+
+/// Is this the largest response of its 5 x 5 neighbourhood (the first in reading order among equals)?
+bool is_peak(const std::int16_t* centre, int w) {
+  const int value = *centre;
+  for (int dy = -2; dy <= 2; ++dy) {
+    const std::int16_t* row = centre + static_cast<std::ptrdiff_t>(dy) * w;
+    for (int dx = -2; dx <= 2; ++dx) {
+      const bool before = dy < 0 || (dy == 0 && dx < 0);
+      if (before ? row[dx] >= value : row[dx] > value) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<Peak> peaks_of(const SaddleLevel& level, std::size_t most) {
+  const int w = level.width;
+  const int h = level.height;
+  std::vector<Peak> peaks;
+  if (w < 16 || h < 16) return peaks;
+  std::vector<std::int16_t> response(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);
+  for (int y = 4; y < h - 4; ++y) respond(level, y, response.data() + static_cast<std::size_t>(y) * w);
+  const auto least =
+      static_cast<std::int16_t>(least_strength * least_strength * 4096 / (1 << response_shift));
+  const cv::v_int16x8 threshold = cv::v_setall_s16(least);
+  for (int y = 4; y < h - 4; ++y) {
+    const std::int16_t* row = response.data() + static_cast<std::size_t>(y) * w;
+    for (int x = 4; x < w - 4; x += 8) {
+      const int end = std::min(x + 8, w - 4);
+      if (end == x + 8 && !cv::v_check_any(cv::v_load(row + x) > threshold)) continue;
+      for (int k = x; k < end; ++k) {
+        if (row[k] > least && is_peak(row + k, w)) peaks.push_back({row[k], k, y});
+      }
+    }
+  }
+  const auto stronger = [](const Peak& a, const Peak& b) {
+    return std::tie(b.value, a.y, a.x) < std::tie(a.value, b.y, b.x);
+  };
+  if (peaks.size() > most) {
+    std::nth_element(peaks.begin(), peaks.begin() + static_cast<std::ptrdiff_t>(most), peaks.end(), stronger);
+    peaks.resize(most);
+  }
+  std::sort(peaks.begin(), peaks.end(), stronger);
+  return peaks;
+}
+
+}  // namespace
+
+double SaddleLevel::grey(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d p = to_level(pixel);
+  const double u = std::clamp(p.x(), 0.0, width - 1.001);
+  const double v = std::clamp(p.y(), 0.0, height - 1.001);
+  const int x = static_cast<int>(u);
+  const int y = static_cast<int>(v);
+  const double a = u - x;
+  const double b = v - y;
+  return ((1 - b) * ((1 - a) * at(x, y) + a * at(x + 1, y)) +
+          b * ((1 - a) * at(x, y + 1) + a * at(x + 1, y + 1))) /
+         16;
+}
+
+std::vector<SaddleLevel> saddle_levels(const Image& grey8) {
+  std::vector<SaddleLevel> levels;
+  Image image;
+  for (int k = 0; k < level_count; ++k) {
+    if (k > 0) image = halved(k == 1 ? grey8 : image);
+    levels.push_back(smoothed(k == 0 ? grey8 : image, 1 << k));
+  }
+  return levels;
+}
+
+std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int level,
+                                  const Eigen::Vector2d& pixel) {
+  const SaddleLevel& s = levels[static_cast<std::size_t>(level)];
+  const Eigen::Vector2d start = s.to_level(pixel);
+  if (!(std::abs(start.x()) < 1e6 && std::abs(start.y()) < 1e6)) return std::nullopt;
+  int x = static_cast<int>(std::lround(start.x()));
+  int y = static_cast<int>(std::lround(start.y()));
+  for (int step = 0; step < 4; ++step) {
+    if (x < 2 || y < 2 || x >= s.width - 2 || y >= s.height - 2) return std::nullopt;
+    // The quadratic that fits the 3 x 3 pixels best.
+    double v[3][3];
+    for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < 3; ++i) v[j][i] = s.at(x + i - 1, y + j - 1) / 16.0;
+    }
+    double gx = 0, gy = 0, xx = 0, yy = 0;
+    for (int k = 0; k < 3; ++k) {
+      gx += (v[k][2] - v[k][0]) / 6;
+      gy += (v[2][k] - v[0][k]) / 6;
+      xx += (v[k][2] - 2 * v[k][1] + v[k][0]) / 3;
+      yy += (v[2][k] - 2 * v[1][k] + v[0][k]) / 3;
+    }
+    const double xy = (v[2][2] - v[2][0] - v[0][2] + v[0][0]) / 4;
+    const double saddle = xy * xy - xx * yy;
+    if (saddle <= 0.25 * least_strength * least_strength) return std::nullopt;
+    const Eigen::Vector2d offset((yy * gx - xy * gy) / saddle, (xx * gy - xy * gx) / saddle);
+    if (step < 3 && offset.cwiseAbs().maxCoeff() > 0.6) {
+      // Away from the saddle the quadratic is only a hint: no leaps.
+      x += static_cast<int>(std::lround(std::clamp(offset.x(), -1.0, 1.0)));
+      y += static_cast<int>(std::lround(std::clamp(offset.y(), -1.0, 1.0)));
+      continue;
+    }
+    if (offset.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
+    const Eigen::Vector2d p = Eigen::Vector2d(x, y) + offset;
+    if ((p - start).squaredNorm() > 4) return std::nullopt;
+    // Curvatures along the bisectors of the bright and of the dark fields.
+    const double mean = 0.5 * (xx + yy);
+    const double half = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
+    const double bright = mean + half;
+    const double dark = half - mean;  // its negative, positive at a saddle
+    // Edges closer than 35 degrees are no square any more at 65 degrees of tilt.
+    if (std::min(bright, dark) < 0.09 * std::max(bright, dark)) return std::nullopt;
+    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
+    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2d across(-along.y(), along.x());
+    const double c = std::sqrt(dark / (bright + dark));
+    const double sn = std::sqrt(bright / (bright + dark));
+    return Saddle{s.to_picture(p), c * along + sn * across, c * along - sn * across, std::sqrt(saddle),
+                  level};
+  }
+  return std::nullopt;
+}
+
+bool four_fields_meet(const std::vector<SaddleLevel>& levels, const Saddle& saddle) {
+  const SaddleLevel& level = levels[static_cast<std::size_t>(saddle.level)];
+  // Beyond the smoothing, within squares of 8 px.
+  const double radius = 2.5 * level.scale;
+  const Eigen::Vector2d bright = (saddle.e0 + saddle.e1).normalized() * radius;
+  const Eigen::Vector2d dark = (saddle.e0 - saddle.e1).normalized() * radius;
+  const double b0 = level.grey(saddle.pixel + bright);
+  const double b1 = level.grey(saddle.pixel - bright);
+  const double d0 = level.grey(saddle.pixel + dark);
+  const double d1 = level.grey(saddle.pixel - dark);
+  const double contrast = 0.5 * (b0 + b1 - d0 - d1);
+  if (contrast < 6 || std::min(b0, b1) - std::max(d0, d1) < 0.45 * contrast) return false;
+  // The middle is as far from the bright as from the dark.
+  const double middle = level.grey(saddle.pixel);
+  return std::abs(middle - 0.25 * (b0 + b1 + d0 + d1)) < 0.25 * contrast;
+}
+
+std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels) {
+  std::vector<Saddle> saddles;
+  // Marks the places taken, in cells of a level's pixels: a coarse level repeats what a finer one saw.
+  for (int k = 0; k < static_cast<int>(levels.size()); ++k) {
+    const SaddleLevel& level = levels[static_cast<std::size_t>(k)];
+    std::vector<std::uint8_t> taken(static_cast<std::size_t>(level.width) *
+                                    static_cast<std::size_t>(level.height));
+    const auto mark = [&](const Eigen::Vector2d& pixel, bool test) {
+      const Eigen::Vector2d p = level.to_level(pixel);
+      const int x = static_cast<int>(std::lround(p.x()));
+      const int y = static_cast<int>(std::lround(p.y()));
+      for (int j = std::max(0, y - 1); j <= std::min(level.height - 1, y + 1); ++j) {
+        for (int i = std::max(0, x - 1); i <= std::min(level.width - 1, x + 1); ++i) {
+          std::uint8_t& cell = taken[static_cast<std::size_t>(j) * level.width + i];
+          if (test && cell != 0) return false;
+          if (!test) cell = 1;
+        }
+      }
+      return true;
+    };
+    for (const Saddle& saddle : saddles) mark(saddle.pixel, false);
+    std::size_t count = 0;
+    for (const Peak& peak : peaks_of(level, most_peaks[k])) {
+      const auto saddle = saddle_near(levels, k, level.to_picture(Eigen::Vector2d(peak.x, peak.y)));
+      if (!saddle || !mark(saddle->pixel, true) || !four_fields_meet(levels, *saddle)) continue;
+      mark(saddle->pixel, false);
+      saddles.push_back(*saddle);
+      if (++count == most_saddles[k]) break;
+    }
+  }
+  std::stable_sort(saddles.begin(), saddles.end(),
+                   [](const Saddle& a, const Saddle& b) { return a.strength > b.strength; });
+  return saddles;
+}
+
+}  // namespace ca2
