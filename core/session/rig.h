@@ -51,11 +51,17 @@ struct Rig {
 /// Reads the rig keys of a YAML text (design.md 3.1). `file` names it in errors ("file:line:col") and is what
 /// relative paths are relative to. `extra_keys` are further top-level keys the kind of file allows. Every
 /// problem is reported; unknown keys with the nearest known one as a suggestion. ErrorCode::config.
+/// Intrinsics are `intrinsics: {model, parameters}`, or `{model}` alone (to be estimated with that model), or
+/// a file of read_intrinsics: `intrinsics: {file, camera}`, or `file` and `camera` beside `frame`; `camera`
+/// picks one of a camchain. A sensor without a `frame` has its own name as frame. Names of sensors are made
+/// of letters, digits, _ and - and are unique over cameras and LiDARs. Quaternions are normalised; one
+/// further than 1e-3 from unit length is refused.
 Result<Rig> parse_rig(const std::string& text, const std::filesystem::path& file,
                       const std::vector<std::string>& extra_keys = {});
 Result<Rig> read_rig(const std::filesystem::path& file, const std::vector<std::string>& extra_keys = {});
 
-/// The rig as YAML keys, with 17 significant digits; parse_rig gives the same rig back.
+/// The rig as YAML keys, with 17 significant digits, intrinsics written out; parse_rig gives the same rig
+/// back, bit for bit (a rotation that did not come from parse_rig: to rounding).
 std::string write_rig(const Rig& rig);
 
 /// Intrinsics from a ROS camera_info, Kalibr camchain or OpenCV calibration file, told apart by their keys.
