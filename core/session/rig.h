@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/board/board.h"
@@ -47,6 +48,9 @@ struct Rig {
   std::map<std::string, RigLidar> lidars;
   std::vector<RigExtrinsic> extrinsics;
 };
+
+/// May a sensor be called this? 1 to 64 letters, digits, _ and -: names become names of files.
+bool valid_sensor_name(std::string_view name);
 
 /// Reads the rig keys of a YAML text (design.md 3.1). `file` names it in errors ("file:line:col") and is what
 /// relative paths are relative to. `extra_keys` are further top-level keys the kind of file allows. Every

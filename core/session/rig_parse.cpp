@@ -94,12 +94,7 @@ class RigParser {
 
   /// Sensor names become file names and parts of messages.
   bool sensor_name(const YamlNode& node) {
-    const auto allowed = [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
-             c == '-';
-    };
-    if (node.key.empty() || node.key.size() > max_name_length ||
-        !std::all_of(node.key.begin(), node.key.end(), allowed)) {
+    if (!valid_sensor_name(node.key)) {
       reader_.key_problem(node, "a sensor's name must be 1 to " + std::to_string(max_name_length) +
                                     " letters, digits, '_' and '-'");
       return false;
@@ -257,6 +252,13 @@ class RigParser {
 };
 
 }  // namespace
+
+bool valid_sensor_name(std::string_view name) {
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  return !name.empty() && name.size() <= max_name_length && std::all_of(name.begin(), name.end(), allowed);
+}
 
 Result<Rig> parse_rig(const std::string& text, const std::filesystem::path& file,
                       const std::vector<std::string>& extra_keys) {

@@ -37,14 +37,20 @@ struct Session {
   std::vector<Problem> warnings;   ///< what was odd but did not stop the reading (a view without a pair, ...)
 };
 
-/// Reads session.yaml and lists the views. Views with a problem of their own become warnings.
+/// Reads session.yaml and lists the views: directories whose names are digits. Hidden ones (a view that was
+/// being written when the power went) are ignored; views and files with a problem of their own become
+/// warnings; a view with neither picture nor cloud of the rig's sensors is left out.
 Result<Session> open_session(const std::filesystem::path& directory);
 
-/// Creates the directory with its session.yaml; fails if there is a session already.
-Result<Session> create_session(const std::filesystem::path& directory, const Rig& rig);
+/// Creates the directory with its session.yaml; fails if there is a session already. `created` is the time as
+/// the caller wants it shown (core has no clock); empty: not written. Relative paths in the rig are to be
+/// relative to the session's directory.
+Result<Session> create_session(const std::filesystem::path& directory, const Rig& rig,
+                               const std::string& created = {});
 
 /// Adds a view: written to a hidden temporary directory, fsynced and renamed, so that it exists whole or not
-/// at all. `details` is the text of view.yaml; empty: none. Returns the view as open_session would list it.
+/// at all. Never overwrites: ErrorCode::cannot_create where there is a view of that id. `details` is the text
+/// of view.yaml; empty: none. Returns the view as open_session would list it.
 Result<SessionView> write_view(const std::filesystem::path& session, int id,
                                const std::map<std::string, Image>& images,
                                const std::map<std::string, Scan>& scans, const std::string& details = {});
