@@ -9,12 +9,18 @@ namespace {
 
 constexpr double max_norm_error = 1e-3;
 
-/// Matrix to quaternion and back rounds; after a few rounds nothing changes any more.
-Pose settled(Pose pose) {
-  for (int round = 0; round < 100; ++round) {
-    const Pose again = Pose::from_quaternion(pose.quaternion(), pose.t);
-    if (again.R == pose.R) break;
-    pose = again;
+/// Matrix to quaternion and back rounds: usually nothing changes any more after a few rounds. Some rotations
+/// go round in a circle of a few last digits; those are turned by as little (under 1e-13 rad) until they
+/// rest.
+Pose settled(const Pose& pose) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    Pose candidate = pose;
+    candidate.R *= so3_exp(5e-16 * attempt * Eigen::Vector3d::Unit(attempt % 3));
+    for (int round = 0; round < 8; ++round) {
+      const Pose again = Pose::from_quaternion(candidate.quaternion(), candidate.t);
+      if (again.R == candidate.R) return candidate;
+      candidate = again;
+    }
   }
   return pose;
 }
