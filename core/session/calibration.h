@@ -71,10 +71,15 @@ struct Calibration {
   std::vector<CalibratedView> views;
 };
 
-/// result.yaml's text, 17 significant digits.
+/// result.yaml's text, 17 significant digits. Every camera has a model.
 std::string to_yaml(const Calibration& calibration);
-/// The same content as JSON: what `ca2 solve --json` prints.
+/// The same content as JSON: what `ca2 solve --json` prints. What is not a finite number is null.
 std::string to_json(const Calibration& calibration);
+/// Reads what to_yaml wrote: the transforms, cameras and LiDARs bit for bit (a rotation that was never in a
+/// file: to rounding). The sigmas beside the covariance are derived and not read. ErrorCode::data with every
+/// problem.
 Result<Calibration> read_calibration(const std::filesystem::path& file);
+/// `name` is what errors call the file.
+Result<Calibration> parse_calibration(const std::string& text, const std::string& name);
 
 }  // namespace ca2
