@@ -1,0 +1,204 @@
+#include "core/board/refine/refine_corners.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/board/refine/neighbourhood.h"
+#include "core/board/refine/saddle_fit.h"
+
+namespace ca2 {
+namespace {
+
+// A patch reaches this part of the way to the next corner: half-way would be all the information there is.
+constexpr double reach_share = 0.46;
+constexpr double most_reach = 40;       // px, bounds the time on large squares
+constexpr double model_floor = 0.002;   // px, what lens, print and paper do that the model does not know
+constexpr double quantisation = 0.083;  // grey^2, of 8 bits: 1/12
+
+/// Which places round a corner, in units of the pitch from -1/2 to 1/2, show what a plain chessboard would,
+/// also a blur's width away.
+class PrintMask {
+ public:
+  static constexpr int cells = 32;
+
+  PrintMask(const Board& board, const Eigen::Vector2d& corner, double pitch) {
+    bool all = true;
+    for (int j = 0; j < cells; ++j) {
+      for (int i = 0; i < cells; ++i) {
+        const Eigen::Vector2d at((i + 0.5) / cells - 0.5, (j + 0.5) / cells - 0.5);
+        // The quadrant's own colour is that next to the corner.
+        const Eigen::Vector2d near(std::copysign(0.01, at.x()), std::copysign(0.01, at.y()));
+        const bool plain =
+            board.type->black(board, corner + at * pitch) == board.type->black(board, corner + near * pitch);
+        plain_[static_cast<std::size_t>(j * cells + i)] = plain;
+        all = all && plain;
+      }
+    }
+    all_ = all;
+  }
+
+  /// `margin` in units of the pitch along each axis.
+  bool plain(const Eigen::Vector2d& at, const Eigen::Vector2d& margin) const {
+    if (all_) return true;
+    const auto cell = [](double u) {
+      return std::clamp(static_cast<int>(std::floor((u + 0.5) * cells)), 0, cells - 1);
+    };
+    for (int j = cell(at.y() - margin.y()); j <= cell(at.y() + margin.y()); ++j) {
+      for (int i = cell(at.x() - margin.x()); i <= cell(at.x() + margin.x()); ++i) {
+        if (!plain_[static_cast<std::size_t>(j * cells + i)]) return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  std::array<bool, static_cast<std::size_t>(cells* cells)> plain_;
+  bool all_ = true;
+};
+
+/// The pixels of a corner's patch. Those near the edges tell the position and are all kept; of the flat rest
+/// only as many as the grey levels need.
+std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector2d& centre,
+                                     const Neighbourhood& lattice, const PrintMask& mask, double sigma) {
+  Eigen::Matrix2d pixel_by_board;
+  pixel_by_board << lattice.along[0], lattice.along[1];
+  const Eigen::Matrix2d board_by_pixel = pixel_by_board.inverse();
+  double part[2], edge_band[2];
+  for (int i = 0; i < 2; ++i) {
+    const double length = lattice.along[i].norm();
+    part[i] = std::min(reach_share * lattice.reach[i], most_reach) / length;
+    // Pitches per pixel across the lines of the other axis.
+    edge_band[i] = (4 * sigma + 1) * board_by_pixel.row(i).norm();
+  }
+  const Eigen::Vector2d margin(0.7 * (sigma + 0.5) * board_by_pixel.row(0).norm(),
+                               0.7 * (sigma + 0.5) * board_by_pixel.row(1).norm());
+  const Eigen::Vector2d half = part[0] * lattice.along[0].cwiseAbs() + part[1] * lattice.along[1].cwiseAbs();
+  const int x0 = std::max(0, static_cast<int>(std::ceil(centre.x() - half.x())));
+  const int x1 = std::min(image.width - 1, static_cast<int>(std::floor(centre.x() + half.x())));
+  const int y0 = std::max(0, static_cast<int>(std::ceil(centre.y() - half.y())));
+  const int y1 = std::min(image.height - 1, static_cast<int>(std::floor(centre.y() + half.y())));
+  std::vector<PatchPixel> pixels;
+  // One flat pixel in `thin` each way: at most about 15 x 15.
+  const int thin = std::max(1, static_cast<int>(half.maxCoeff() / 8));
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d at = board_by_pixel * (Eigen::Vector2d(x, y) - centre);
+      if (std::abs(at.x()) > part[0] || std::abs(at.y()) > part[1]) continue;
+      const bool flat = std::abs(at.x()) > edge_band[0] && std::abs(at.y()) > edge_band[1];
+      if (flat && (x % thin != 0 || y % thin != 0)) continue;
+      if (!mask.plain(at, margin)) continue;
+      pixels.push_back({static_cast<double>(x), static_cast<double>(y), image.at(x, y)});
+    }
+  }
+  return pixels;
+}
+
+/// Blur of the picture near a corner from the steepest descent towards a neighbouring field, px: a start.
+double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice) {
+  // Across the middle of an edge the profile is the plain blurred step: its extent over its steepest slope.
+  const Eigen::Vector2d middle = centre + 0.3 * lattice.along[0];
+  const Eigen::Vector2d step = 0.35 * lattice.along[1];
+  const int samples = std::clamp(static_cast<int>(std::ceil(4 * step.norm())), 8, 200);
+  double low = 1e9, high = -1e9, slope = 0, last = 0;
+  for (int k = 0; k <= samples; ++k) {
+    const Eigen::Vector2d p = middle + (2.0 * k / samples - 1) * step;
+    const int x = static_cast<int>(std::floor(p.x()));
+    const int y = static_cast<int>(std::floor(p.y()));
+    if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return 1;
+    const double a = p.x() - x, b = p.y() - y;
+    const double grey = (1 - b) * ((1 - a) * image.at(x, y) + a * image.at(x + 1, y)) +
+                        b * ((1 - a) * image.at(x, y + 1) + a * image.at(x + 1, y + 1));
+    if (k > 0) slope = std::max(slope, std::abs(grey - last));
+    last = grey;
+    low = std::min(low, grey);
+    high = std::max(high, grey);
+  }
+  const double per_px = slope / (2 * step.norm() / samples);
+  return per_px > 0 ? std::clamp((high - low) / per_px / std::sqrt(2 * M_PI), 0.5, 8.0) : 1;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Refined {
+  Corner corner;
+  SaddleFit fit;
+};
+
+class Refiner {
+ public:
+  Refiner(const Board& board, const GreyImage& image)
+      : board_(board), image_(image), points_(board.type->corners(board)), pitch_(corner_pitch(points_)) {}
+
+  std::vector<Refined> pass(std::span<const Corner> corners, std::span<const SaddleFit> before) const {
+    std::vector<Refined> refined;
+    const auto lattice = neighbourhoods(points_, corners);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (!lattice[i]) continue;
+      const auto fit = fit_corner(corners[i], *lattice[i], before.empty() ? nullptr : &before[i]);
+      if (fit) refined.push_back({{corners[i].id, fit->model.position, corners[i].covariance}, *fit});
+    }
+    return refined;
+  }
+
+ private:
+  std::optional<SaddleFit> fit_corner(const Corner& corner, const Neighbourhood& lattice,
+                                      const SaddleFit* before) const {
+    SaddleModel start;
+    if (before != nullptr) start = before->model;
+    start.position = corner.pixel;
+    double sigma = 0;
+    const double guess = before != nullptr ? 0 : guess_sigma(image_, corner.pixel, lattice);
+    for (int i = 0; i < 2; ++i) {
+      if (before == nullptr) {
+        start.angle[i] = std::atan2(lattice.along[i].y(), lattice.along[i].x());
+        start.log_sigma[i] = std::log(guess);
+      }
+      start.curvature[i] = lattice.curvature[i];
+      sigma = std::max(sigma, std::exp(start.log_sigma[i]));
+    }
+    const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
+    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start);
+  }
+
+  const Board& board_;
+  const GreyImage& image_;
+  std::vector<Eigen::Vector2d> points_;
+  double pitch_;
+};
+
+}  // namespace
+
+std::vector<Corner> refine_corners(const Board& board, const GreyImage& image,
+                                   std::span<const Corner> corners) {
+  const Refiner refiner(board, image);
+  // The second pass centres the patches and knows the lines' bend from the first one's corners.
+  std::vector<Corner> rough;
+  std::vector<SaddleFit> fits;
+  for (const Refined& r : refiner.pass(corners, {})) {
+    rough.push_back(r.corner);
+    fits.push_back(r.fit);
+  }
+  const std::vector<Refined> refined = refiner.pass(rough, fits);
+  if (refined.empty()) return {};
+  std::vector<double> rms;
+  for (const Refined& r : refined) rms.push_back(r.fit.rms);
+  const double typical = median(rms);
+  std::vector<Corner> result;
+  for (const Refined& r : refined) {
+    // Far worse than its fellows: something lies over it. Three grey values are never held against it.
+    if (r.fit.rms > 3 * typical + 3) continue;
+    const double variance = std::max(quantisation, std::pow(std::max(typical, r.fit.rms), 2));
+    Corner corner = r.corner;
+    corner.covariance =
+        variance * r.fit.information.inverse() + Eigen::Matrix2d::Identity() * model_floor * model_floor;
+    if (corner.covariance.allFinite() && corner.covariance.trace() < 1) result.push_back(corner);
+  }
+  return result;
+}
+
+}  // namespace ca2

@@ -1,0 +1,49 @@
+/// @file A photometric model of one chessboard corner, fitted to the pixels round it.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace ca2 {
+
+/// A pixel that takes part in the fit.
+struct PatchPixel {
+  double x;     ///< px
+  double y;     ///< px
+  double grey;  ///< 0..255
+};
+
+/// Two crossing edges, blurred:
+///   grey(x) = (1 + shading . d) (offset + gain E(z0) E(z1)),  d = x - position,  E(z) = erf(z / sqrt 2),
+///   z_i = (n_i . d + curvature_i (t_i . d)^2) / sigma_i,      t_i = (cos angle_i, sin angle_i), n_i = its
+///   left,
+/// averaged over the pixel's area. The lines of a chessboard stay lines under perspective, so that no
+/// homography is needed; a lens bends them, and how much is known better from the neighbouring corners than
+/// from the patch (where it would cost half of the accuracy): curvature is given, not fitted.
+struct SaddleModel {
+  Eigen::Vector2d position;      ///< px
+  double angle[2] = {0, 0};      ///< rad
+  double log_sigma[2] = {0, 0};  ///< of px; two, since motion and astigmatism blur one way
+  double offset = 0;             ///< grey
+  double gain = 0;               ///< grey
+  Eigen::Vector2d shading = Eigen::Vector2d::Zero();  ///< 1/px, vignetting and uneven light
+  double curvature[2] = {0, 0};                       ///< 1/px
+};
+
+struct SaddleFit {
+  SaddleModel model;
+  Eigen::Matrix2d information;  ///< of the position with everything else free, for unit noise, 1/px^2
+  double rms = 0;               ///< grey, of the residuals per degree of freedom
+  int pixels = 0;
+};
+
+/// Least squares from a start within about half a pixel (its offset and gain need not be set); nothing when
+/// it runs away or there are too few pixels.
+std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start);
+
+/// Grey value of the model averaged over the pixel at (x, y).
+double model_grey(const SaddleModel& model, double x, double y);
+
+}  // namespace ca2
