@@ -100,9 +100,7 @@ std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const La
     ++neighbours;
   }
   const auto saddle = saddle_near(levels, level, prediction->pixel);
-  if (!saddle || saddle->strength < 0.3 * strength / neighbours || !four_fields_meet(levels, *saddle)) {
-    return std::nullopt;
-  }
+  if (!saddle || saddle->strength < 0.3 * strength / neighbours) return std::nullopt;
   if ((saddle->pixel - prediction->pixel).norm() > std::max(0.25 * prediction->pitch, 1.0)) {
     return std::nullopt;
   }

@@ -1,6 +1,7 @@
 #include "core/board/detect/saddle_pyramid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/hal/intrin.hpp>
@@ -14,6 +15,8 @@ constexpr double least_strength = 2.0;
 constexpr std::size_t most_peaks[] = {6000, 3000, 1500};
 constexpr std::size_t most_saddles[] = {2500, 1200, 600};
 constexpr int level_count = 3;
+constexpr double least_contrast = 10;  // grey values
+constexpr double least_angle = 0.4;    // rad between edges: a square seen at 65 degrees of tilt has more
 
 Image halved(const Image& image) {
   Image half{image.width / 2, image.height / 2, 1, 8, {}};
@@ -167,19 +170,87 @@ std::vector<Peak> peaks_of(const SaddleLevel& level, std::size_t most) {
   return peaks;
 }
 
+/// The four ends of two crossing edges.
+struct EdgeCross {
+  Eigen::Vector2d e0;
+  Eigen::Vector2d e1;
+};
+
+// Outside the blur as a rule; inside it where the squares are as small as that.
+constexpr double ring_radii[] = {4.0, 2.6};
+constexpr int ring_samples = 24;
+
+/// Reads the edges off a circle round a saddle: it must be cut in four fields, opposite ones alike. (The
+/// Hessian knows only the bisectors: blurred evenly, every cross has a Laplacian of zero in its middle.)
+std::optional<EdgeCross> cross_on_ring(const SaddleLevel& level, const Eigen::Vector2d& p, double radius) {
+  if (p.x() < radius + 1 || p.y() < radius + 1 || p.x() > level.width - radius - 2 ||
+      p.y() > level.height - radius - 2) {
+    return std::nullopt;
+  }
+  static const auto circle = [] {
+    std::array<Eigen::Vector2d, ring_samples> points;
+    for (int k = 0; k < ring_samples; ++k) {
+      const double angle = 2 * M_PI * k / ring_samples;
+      points[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+    }
+    return points;
+  }();
+  std::array<double, ring_samples> grey;
+  double low = 1e9;
+  double high = -1e9;
+  for (std::size_t k = 0; k < ring_samples; ++k) {
+    grey[k] = level.interpolate(p.x() + radius * circle[k].x(), p.y() + radius * circle[k].y());
+    low = std::min(low, grey[k]);
+    high = std::max(high, grey[k]);
+  }
+  const double contrast = high - low;
+  const double middle = 0.5 * (low + high);
+  if (contrast < least_contrast) return std::nullopt;
+  // The middle of the cross is as far from the bright fields as from the dark ones.
+  if (std::abs(level.interpolate(p.x(), p.y()) - middle) > 0.25 * contrast) return std::nullopt;
+  double crossing[4];
+  double extreme[4];  // of the field that ends at each crossing, from the middle
+  int count = 0;
+  double field = 0;
+  const auto start = static_cast<std::size_t>(std::find(grey.begin(), grey.end(), high) - grey.begin());
+  for (std::size_t n = 0; n < ring_samples; ++n) {
+    const double here = grey[(start + n) % ring_samples] - middle;
+    const double next = grey[(start + n + 1) % ring_samples] - middle;
+    field = std::max(field, std::abs(here));
+    if ((here > 0) == (next > 0)) continue;
+    if (count == 4) return std::nullopt;
+    crossing[count] = (static_cast<double>(start + n) + here / (here - next)) * 2 * M_PI / ring_samples;
+    extreme[count] = field;
+    field = 0;
+    ++count;
+  }
+  if (count != 4) return std::nullopt;
+  // The search began in the brightest sample: fields 0 and 2 are bright, the rest of 0 comes last.
+  if (std::min(extreme[1], std::min(extreme[2], extreme[3])) < 0.2 * contrast) return std::nullopt;
+  const double skew0 = crossing[2] - crossing[0] - M_PI;
+  const double skew1 = crossing[3] - crossing[1] - M_PI;
+  if (std::max(std::abs(skew0), std::abs(skew1)) > 0.6) return std::nullopt;
+  const double angle0 = crossing[0] + 0.5 * skew0;
+  const double angle1 = crossing[1] + 0.5 * skew1;
+  if (angle1 - angle0 < least_angle || angle1 - angle0 > M_PI - least_angle) return std::nullopt;
+  // From crossing 0 to 1 it is dark, so between -e0 and +e1 it is bright.
+  return EdgeCross{{-std::cos(angle0), -std::sin(angle0)}, {std::cos(angle1), std::sin(angle1)}};
+}
+
 }  // namespace
+
+double SaddleLevel::interpolate(double x, double y) const {
+  const int i = static_cast<int>(x);
+  const int j = static_cast<int>(y);
+  const double a = x - i;
+  const double b = y - j;
+  const std::int16_t* v = smooth.data() + static_cast<std::size_t>(j) * width + i;
+  return ((1 - b) * ((1 - a) * v[0] + a * v[1]) + b * ((1 - a) * v[width] + a * v[width + 1])) / 16;
+}
 
 double SaddleLevel::grey(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d p = to_level(pixel);
-  const double u = std::clamp(p.x(), 0.0, width - 1.001);
-  const double v = std::clamp(p.y(), 0.0, height - 1.001);
-  const int x = static_cast<int>(u);
-  const int y = static_cast<int>(v);
-  const double a = u - x;
-  const double b = v - y;
-  return ((1 - b) * ((1 - a) * at(x, y) + a * at(x + 1, y)) +
-          b * ((1 - a) * at(x, y + 1) + a * at(x + 1, y + 1))) /
-         16;
+  return interpolate(std::clamp(p.x(), 0.0, width - 1.001), std::clamp(p.y(), 0.0, height - 1.001));
 }
 
 std::vector<SaddleLevel> saddle_levels(const Image& grey8) {
@@ -226,39 +297,14 @@ std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int le
     if (offset.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
     const Eigen::Vector2d p = Eigen::Vector2d(x, y) + offset;
     if ((p - start).squaredNorm() > 4) return std::nullopt;
-    // Curvatures along the bisectors of the bright and of the dark fields.
-    const double mean = 0.5 * (xx + yy);
-    const double half = std::sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
-    const double bright = mean + half;
-    const double dark = half - mean;  // its negative, positive at a saddle
-    // Edges closer than 35 degrees are no square any more at 65 degrees of tilt.
-    if (std::min(bright, dark) < 0.09 * std::max(bright, dark)) return std::nullopt;
-    const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-    const Eigen::Vector2d along(std::cos(angle), std::sin(angle));
-    const Eigen::Vector2d across(-along.y(), along.x());
-    const double c = std::sqrt(dark / (bright + dark));
-    const double sn = std::sqrt(bright / (bright + dark));
-    return Saddle{s.to_picture(p), c * along + sn * across, c * along - sn * across, std::sqrt(saddle),
-                  level};
+    for (const double radius : ring_radii) {
+      if (const auto cross = cross_on_ring(s, p, radius)) {
+        return Saddle{s.to_picture(p), cross->e0, cross->e1, std::sqrt(saddle), level};
+      }
+    }
+    return std::nullopt;
   }
   return std::nullopt;
-}
-
-bool four_fields_meet(const std::vector<SaddleLevel>& levels, const Saddle& saddle) {
-  const SaddleLevel& level = levels[static_cast<std::size_t>(saddle.level)];
-  // Beyond the smoothing, within squares of 8 px.
-  const double radius = 2.5 * level.scale;
-  const Eigen::Vector2d bright = (saddle.e0 + saddle.e1).normalized() * radius;
-  const Eigen::Vector2d dark = (saddle.e0 - saddle.e1).normalized() * radius;
-  const double b0 = level.grey(saddle.pixel + bright);
-  const double b1 = level.grey(saddle.pixel - bright);
-  const double d0 = level.grey(saddle.pixel + dark);
-  const double d1 = level.grey(saddle.pixel - dark);
-  const double contrast = 0.5 * (b0 + b1 - d0 - d1);
-  if (contrast < 6 || std::min(b0, b1) - std::max(d0, d1) < 0.45 * contrast) return false;
-  // The middle is as far from the bright as from the dark.
-  const double middle = level.grey(saddle.pixel);
-  return std::abs(middle - 0.25 * (b0 + b1 + d0 + d1)) < 0.25 * contrast;
 }
 
 std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels) {
@@ -285,7 +331,7 @@ std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels) {
     std::size_t count = 0;
     for (const Peak& peak : peaks_of(level, most_peaks[k])) {
       const auto saddle = saddle_near(levels, k, level.to_picture(Eigen::Vector2d(peak.x, peak.y)));
-      if (!saddle || !mark(saddle->pixel, true) || !four_fields_meet(levels, *saddle)) continue;
+      if (!saddle || !mark(saddle->pixel, true)) continue;
       mark(saddle->pixel, false);
       saddles.push_back(*saddle);
       if (++count == most_saddles[k]) break;

@@ -18,6 +18,8 @@ struct SaddleLevel {
   std::vector<std::int16_t> smooth;  ///< 16 times the grey value, rows from the top
 
   int at(int x, int y) const { return smooth[static_cast<std::size_t>(y) * width + x]; }
+  /// Bilinear grey value 0..255 at a place of this level, 0 <= x < width - 1, 0 <= y < height - 1.
+  double interpolate(double x, double y) const;
   /// Bilinear grey value 0..255 at a pixel of the picture; the rim's outside it.
   double grey(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d to_level(const Eigen::Vector2d& pixel) const {
@@ -28,8 +30,8 @@ struct SaddleLevel {
   }
 };
 
-/// A saddle of the grey values. Its edges are the two directions without curvature; between +e0 and +e1 (and
-/// opposite) it is brighter than between +e0 and -e1.
+/// A saddle of the grey values where two edges cross: between +e0 and +e1 (and opposite) it is bright,
+/// between +e0 and -e1 dark.
 struct Saddle {
   Eigen::Vector2d pixel;  ///< px of the picture
   Eigen::Vector2d e0;     ///< unit
@@ -45,11 +47,7 @@ std::vector<SaddleLevel> saddle_levels(const Image& grey8);
 std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int level,
                                   const Eigen::Vector2d& pixel);
 
-/// Do two bright and two dark fields meet here, opposite ones alike, as on a chessboard and unlike at the
-/// side of a corner or in a chain of spots?
-bool four_fields_meet(const std::vector<SaddleLevel>& levels, const Saddle& saddle);
-
-/// The strongest such saddles of all levels, each place once (on its finest level), strongest first. Their
+/// The strongest saddles of all levels, each place once (on its finest level), strongest first. Their
 /// number is bounded, whatever the picture shows.
 std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels);
 
