@@ -13,3 +13,5 @@ find_package(CLI11 REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(PCL REQUIRED pcl_common)
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
+# HTTP to sensors. Its .pc file defines the TLS and compression switches the compiled half was built with.
+pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
