@@ -1,7 +1,6 @@
 #include "tools/sim/plate.h"
 
 #include <cmath>
-#include <utility>
 
 namespace ca2 {
 
@@ -15,9 +14,7 @@ bool Plate::contains(const Eigen::Vector2d& p_board, double rim) const {
   return offset.x() <= outline.width / 2 - rim && offset.y() <= outline.height / 2 - rim;
 }
 
-std::optional<double> Plate::intersect(const Eigen::Vector3d& origin,
-                                       const Eigen::Vector3d& direction) const {
-  const auto valid = [&](double t) { return t > 0 && contains((origin + t * direction).head<2>()); };
+std::optional<double> Plate::meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
   // Height of the surface over the ray as a polynomial of the distance: a t^2 + b t + c = 0.
   const double k = 4 * bend / (outline.width * outline.width);
   const double x = origin.x() - outline.center.x();
@@ -26,14 +23,18 @@ std::optional<double> Plate::intersect(const Eigen::Vector3d& origin,
   const double c = k * x * x - bend / 3 - origin.z();
   const double discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return std::nullopt;
-  // Written without cancellation, the first root serves the flat plate (a = 0) too.
+  // The root that goes over to the flat plate's, written without cancellation; the other one is where the
+  // parabola has turned back far off the plate.
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-  double near = q == 0 ? -1 : c / q;
-  double far = a == 0 ? -1 : q / a;
-  if (far > 0 && far < near) std::swap(near, far);
-  if (valid(near)) return near;
-  if (valid(far)) return far;
-  return std::nullopt;
+  if (q == 0) return std::nullopt;
+  return c / q;
+}
+
+std::optional<double> Plate::intersect(const Eigen::Vector3d& origin,
+                                       const Eigen::Vector3d& direction) const {
+  const std::optional<double> t = meet(origin, direction);
+  if (!t || *t <= 0 || !contains((origin + *t * direction).head<2>())) return std::nullopt;
+  return t;
 }
 
 }  // namespace ca2

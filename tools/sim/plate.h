@@ -19,8 +19,10 @@ struct Plate {
   /// Is the place on the plate, at least `rim` m inside its edges?
   bool contains(const Eigen::Vector2d& p_board, double rim = 0) const;
 
-  /// Distance along the unit `direction` to the plate, from `origin` (both in the board frame); only ahead
-  /// and on the plate. Exact also for the bent plate.
+  /// Distance (of any sign) along the unit `direction` from `origin`, both in the board frame, to the surface
+  /// continued beyond the plate's edges. Exact also for the bent plate.
+  std::optional<double> meet(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
+  /// Distance along the unit `direction` to the plate itself; only ahead.
   std::optional<double> intersect(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 };
 
