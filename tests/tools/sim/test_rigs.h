@@ -1,34 +1,11 @@
 /// @file Small rigs for the simulator's tests.
 #pragma once
 
-#include <cmath>
-#include <numbers>
+#include <filesystem>
 
 #include "tools/sim/scenario.h"
 
 namespace ca2 {
-
-/// Evenly spread rings between two elevations [rad], all beams from the origin.
-inline BeamTable even_beams(int rings, int columns, double lowest, double highest) {
-  BeamTable beams;
-  beams.model = "even";
-  beams.rings = rings;
-  beams.columns = columns;
-  beams.range_quantum = 0.002;
-  beams.min_range = 0.3;
-  beams.max_range = 100;
-  for (int ring = 0; ring < rings; ++ring) {
-    const double elevation = lowest + (highest - lowest) * ring / (rings - 1);
-    for (int column = 0; column < columns; ++column) {
-      const double azimuth = -2 * std::numbers::pi * column / columns;
-      beams.rays.push_back({Eigen::Vector3d::Zero(),
-                            {std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                             std::sin(elevation)}});
-      beams.time.push_back(column / (beams.rate * columns));
-    }
-  }
-  return beams;
-}
 
 /// A camera's axes (z forward) on a body with x forward, z up.
 inline Eigen::Matrix3d optical_axes() {
@@ -37,7 +14,12 @@ inline Eigen::Matrix3d optical_axes() {
   return R;
 }
 
-/// A 16-ring LiDAR 0.2 m over a radtan camera with a checkerboard of 8 x 6 corners, 80 mm.
+/// The scenarios that are shipped.
+inline std::filesystem::path scenario_directory() {
+  return std::filesystem::path(CA2_SOURCE_DIR) / "config/scenarios";
+}
+
+/// A VLP-16 0.2 m over a radtan camera with a checkerboard of 8 x 6 corners, 80 mm.
 inline Scenario small_scenario() {
   Scenario scenario;
   scenario.name = "small";
@@ -55,7 +37,9 @@ inline Scenario small_scenario() {
   camera.T_rig_camera = {optical_axes() * so3_exp({0.02, -0.03, 0.01}), {0.05, 0.02, -0.2}};
   scenario.cameras["front"] = camera;
   SimulatedLidar lidar;
-  lidar.beams = even_beams(16, 1800, -0.26, 0.26);
+  lidar.beams = make_beam_table({"VLP-16", {}, {}, 10, 0}).value();
+  // Velodyne's own frame: x right, y forward.
+  lidar.T_rig_lidar.R << 0, 1, 0, -1, 0, 0, 0, 0, 1;
   scenario.lidars["top"] = lidar;
   scenario.placement.min_distance = 1.5;
   scenario.placement.max_distance = 3.5;

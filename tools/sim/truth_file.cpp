@@ -1,0 +1,65 @@
+#include "tools/sim/truth_file.h"
+
+#include "core/io/yaml_text.h"
+#include "core/session/pose_yaml.h"
+
+namespace ca2 {
+namespace {
+
+std::string pose_text(const Pose& pose) {
+  return "translation: " + translation_text(pose) + ", rotation: " + rotation_text(pose);
+}
+
+const char* kind_text(WrongObject kind) {
+  switch (kind) {
+    case WrongObject::panel:
+      return "panel";
+    case WrongObject::moved:
+      return "moved";
+    case WrongObject::none:
+      break;
+  }
+  return "none";
+}
+
+}  // namespace
+
+std::string truth_text(const Scenario& scenario, const std::vector<ViewTruth>& views) {
+  std::string text = "version: 1\nscenario: " + yaml_string(scenario.name) +
+                     "\nseed: " + std::to_string(scenario.seed) + "\n";
+  text += "# T_parent_child, m\ntransforms:\n";
+  for (const auto& [camera_name, camera] : scenario.cameras) {
+    for (const auto& [lidar_name, lidar] : scenario.lidars) {
+      text += "  - {parent: " + camera_name + ", child: " + lidar_name + ", " +
+              pose_text(camera.T_rig_camera.inverse() * lidar.T_rig_lidar) + "}\n";
+    }
+    for (const auto& [other_name, other] : scenario.cameras) {
+      if (other_name <= camera_name) continue;
+      text += "  - {parent: " + camera_name + ", child: " + other_name + ", " +
+              pose_text(camera.T_rig_camera.inverse() * other.T_rig_camera) + "}\n";
+    }
+  }
+  if (!scenario.cameras.empty()) text += "cameras:\n";
+  for (const auto& [name, camera] : scenario.cameras) {
+    text += "  " + name + ": {model: " + std::string(camera.camera.model->name()) +
+            ", parameters: " + exact_list(camera.camera.parameters) + ", image_size: [" +
+            std::to_string(camera.camera.width) + ", " + std::to_string(camera.camera.height) + "]}\n";
+  }
+  if (!scenario.lidars.empty()) text += "lidars:\n";
+  for (const auto& [name, lidar] : scenario.lidars) {
+    text += "  " + name + ": {range_bias: " + exact(lidar.noise.range_bias) +
+            ", range_sigma: " + exact(lidar.noise.range_sigma) +
+            ", reflectivity_bias: " + exact(lidar.noise.reflectivity_bias) + "}\n";
+  }
+  text += "# T_sensor_board; a wrong object is not what the board's pose says\nviews:\n";
+  for (const ViewTruth& view : views) {
+    text += "  - id: " + std::to_string(view.id) + "\n    wrong_object: " + kind_text(view.wrong_object) +
+            "\n    board:\n";
+    for (const auto& [name, T_sensor_board] : view.T_sensor_board) {
+      text += "      " + name + ": {" + pose_text(T_sensor_board) + "}\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace ca2

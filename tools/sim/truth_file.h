@@ -1,0 +1,21 @@
+/// @file truth.yaml: what is true about simulated data.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/sim/scenario.h"
+
+namespace ca2 {
+
+struct ViewTruth {
+  int id = 0;
+  WrongObject wrong_object = WrongObject::none;
+  std::map<std::string, Pose> T_sensor_board;  ///< by sensor of the view
+};
+
+/// The text of truth.yaml (docs/simulator.md), with 17 significant digits: true transforms of every camera
+/// and LiDAR, true intrinsics, noise of the LiDARs, and the views.
+std::string truth_text(const Scenario& scenario, const std::vector<ViewTruth>& views);
+
+}  // namespace ca2
