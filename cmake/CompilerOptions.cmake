@@ -17,6 +17,13 @@ if(CA2_SANITIZE)
   target_link_options(ca2_options INTERFACE -fsanitize=${CA2_SANITIZE})
 endif()
 
+if(CA2_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "CA2_FUZZ needs clang: cmake --preset fuzz")
+  endif()
+  target_compile_options(ca2_options INTERFACE -fsanitize=fuzzer-no-link)
+endif()
+
 find_program(CA2_CCACHE ccache)
 if(CA2_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CA2_CCACHE})
