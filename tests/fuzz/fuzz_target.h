@@ -11,8 +11,13 @@
 
 namespace ca2::fuzz {
 
-/// Small inputs of the format, valid ones among them: where mutation starts from.
-std::vector<std::string> seeds();
+/// Small inputs of the format, valid ones among them: where mutation starts from. A target may go without.
+__attribute__((weak)) std::vector<std::string> seeds();
+
+/// The target's seeds, or one empty input.
+inline std::vector<std::string> all_seeds() {
+  return seeds ? seeds() : std::vector<std::string>{""};
+}
 
 /// Ends the run with the input as a finding.
 inline void require(bool condition, const char* what) {

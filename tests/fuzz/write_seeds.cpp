@@ -11,7 +11,7 @@ extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
     if (!fs::is_directory(directory)) continue;
     if (!fs::is_empty(directory)) break;
     int number = 0;
-    for (const std::string& seed : ca2::fuzz::seeds()) {
+    for (const std::string& seed : ca2::fuzz::all_seeds()) {
       std::ofstream(directory / ("seed-" + std::to_string(number++)), std::ios::binary) << seed;
     }
     break;

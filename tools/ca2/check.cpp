@@ -1,0 +1,245 @@
+/// `ca2 check FILE...`: what a file is, whether it is sound, and every problem with its place.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "core/io/yaml.h"
+#include "core/session/calibration.h"
+#include "core/session/rig.h"
+#include "core/session/session.h"
+#include "tools/ca2/command.h"
+
+namespace ca2 {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What was found out about one file or directory.
+struct Finding {
+  std::string kind;
+  std::string summary;
+  std::vector<Problem> problems;
+  ErrorCode code = ErrorCode::data;  ///< of the gravest problem
+  std::vector<Problem> warnings;
+
+  void add(const Error& error) {
+    // The higher code is the graver: data 65, I/O 74, configuration 78.
+    code = problems.empty() ? error.code : std::max(code, error.code);
+    problems.insert(problems.end(), error.problems.begin(), error.problems.end());
+  }
+};
+
+std::string size_text(const Image& image) {
+  return std::to_string(image.width) + " x " + std::to_string(image.height);
+}
+
+std::string image_text(const Image& image) {
+  return size_text(image) + ", " + std::to_string(image.bits) + " bit " +
+         (image.channels == 3 ? "colour" : "grey");
+}
+
+std::string scan_text(const Scan& scan) {
+  std::size_t valid = 0;
+  for (const Eigen::Vector3f& point : scan.points) valid += point.allFinite();
+  std::string text = std::to_string(scan.size()) + " points";
+  if (valid != scan.size()) text += ", " + std::to_string(valid) + " of them returns";
+  if (scan.rings > 0) text += ", " + std::to_string(scan.rings) + " rings";
+  if (scan.columns > 0) text += ", " + std::to_string(scan.columns) + " columns";
+  return text;
+}
+
+std::string rig_text(const Rig& rig) {
+  const auto names = [](const auto& sensors) {
+    std::string list;
+    for (const auto& [name, sensor] : sensors) list += (list.empty() ? "" : " ") + name;
+    return std::to_string(sensors.size()) + " (" + list + ")";
+  };
+  return std::string(rig.board.type->name()) + " " + std::to_string(rig.board.columns) + " x " +
+         std::to_string(rig.board.rows) + ", cameras: " + names(rig.cameras) +
+         ", lidars: " + names(rig.lidars);
+}
+
+template <class Value, class Describe>
+void take(Finding& finding, const Result<Value>& result, Describe describe) {
+  if (result) {
+    finding.summary = describe(*result);
+  } else {
+    finding.add(result.error());
+  }
+}
+
+/// Every picture and cloud of a view, and whether they fit the rig.
+void check_view(const SessionView& view, const Rig& rig, Finding& finding) {
+  for (const auto& [name, file] : view.images) {
+    const Result<Image> image = read_png(file);
+    if (!image) {
+      finding.add(image.error());
+      continue;
+    }
+    const RigCamera& camera = rig.cameras.at(name);
+    if (camera.width != 0 && (camera.width != image->width || camera.height != image->height)) {
+      finding.add(Error(ErrorCode::data, file.string(),
+                        "the picture is " + size_text(*image) + ", the rig says " +
+                            std::to_string(camera.width) + " x " + std::to_string(camera.height),
+                        "correct image_size (and the intrinsics), or use the camera's own pictures"));
+    }
+  }
+  for (const auto& [name, file] : view.clouds) {
+    const Result<Scan> scan = read_pcd(file);
+    if (!scan) {
+      finding.add(scan.error());
+    } else if (scan->empty()) {
+      finding.add(Error(ErrorCode::data, file.string(), "the cloud has no points"));
+    }
+  }
+}
+
+Finding check_session(const fs::path& directory) {
+  Finding finding{"session", {}, {}, ErrorCode::data, {}};
+  const Result<Session> session = open_session(directory);
+  if (!session) {
+    finding.add(session.error());
+    return finding;
+  }
+  finding.summary = std::to_string(session->views.size()) + " views; " + rig_text(session->rig);
+  finding.warnings = session->warnings;
+  for (const SessionView& view : session->views) check_view(view, session->rig, finding);
+  const fs::path result = directory / "result.yaml";
+  if (fs::exists(result)) {
+    if (const auto calibration = read_calibration(result); !calibration) finding.add(calibration.error());
+  }
+  return finding;
+}
+
+std::string calibration_text(const Calibration& calibration) {
+  return std::to_string(calibration.transforms.size()) + " transforms by " + calibration.method + ", " +
+         std::to_string(calibration.views.size()) + " views";
+}
+
+Finding check_yaml(const fs::path& file, const std::string& text) {
+  Finding finding{"YAML file", {}, {}, ErrorCode::data, {}};
+  const std::string name = file.filename().string();
+  // Calibrations of others (OpenCV's begin with a line that is no YAML) are told apart by their own reader.
+  const Result<YamlNode> root = parse_yaml(text, file.string());
+  const auto has = [&](const char* key) { return root && root->find(key); };
+  const std::vector<std::string> extra = name == "recording.yaml"
+                                             ? std::vector<std::string>{"start"}
+                                             : std::vector<std::string>{"software", "created"};
+  if (has("transforms") || name == "result.yaml") {
+    finding.kind = "result";
+    take(finding, parse_calibration(text, file.string()), calibration_text);
+  } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml" ||
+             name == "recording.yaml") {
+    finding.kind = name == "recording.yaml" ? "recording" : name == "session.yaml" ? "session.yaml" : "rig";
+    take(finding, parse_rig(text, file, extra), rig_text);
+  } else {
+    finding.kind = "camera intrinsics";
+    take(finding, read_intrinsics(file), [](const Camera& camera) {
+      return std::string(camera.model->name()) + ", " + std::to_string(camera.width) + " x " +
+             std::to_string(camera.height);
+    });
+  }
+  return finding;
+}
+
+Finding check_directory(const fs::path& directory) {
+  if (fs::exists(directory / "recording.yaml")) {
+    const fs::path file = directory / "recording.yaml";
+    Finding finding{"recording", {}, {}, ErrorCode::data, {}};
+    take(finding, read_rig(file, {"start"}), rig_text);
+    return finding;
+  }
+  return check_session(directory);
+}
+
+Finding check_file(const fs::path& file) {
+  std::error_code error;
+  if (fs::is_directory(file, error)) return check_directory(file);
+  const std::string extension = file.extension().string();
+  Finding finding{"file", {}, {}, ErrorCode::data, {}};
+  if (extension == ".png") {
+    finding.kind = "PNG picture";
+    take(finding, read_png(file), image_text);
+    return finding;
+  }
+  if (extension == ".pcd") {
+    finding.kind = "PCD cloud";
+    take(finding, read_pcd(file), scan_text);
+    return finding;
+  }
+  const Result<std::string> text = read_text(file, max_yaml_bytes);
+  if (!text) {
+    finding.add(text.error());
+    return finding;
+  }
+  return check_yaml(file, *text);
+}
+
+nlohmann::ordered_json to_json(const std::vector<Problem>& problems) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Problem& problem : problems) {
+    list.push_back({{"where", problem.where}, {"what", problem.what}, {"hint", problem.hint}});
+  }
+  return list;
+}
+
+void print(const std::vector<Problem>& problems, const char* prefix) {
+  for (const Problem& problem : problems) {
+    std::fprintf(stderr, "ca2: %s%s%s%s%s%s\n", problem.where.c_str(), problem.where.empty() ? "" : ": ",
+                 prefix, problem.what.c_str(), problem.hint.empty() ? "" : "; ", problem.hint.c_str());
+  }
+}
+
+struct CheckOptions {
+  std::vector<std::string> files;
+  bool json = false;
+};
+
+int run_check(const CheckOptions& options) {
+  int exit_code = 0;
+  auto json = nlohmann::ordered_json::array();
+  for (const std::string& file : options.files) {
+    const Finding finding = check_file(file);
+    const bool sound = finding.problems.empty();
+    if (!sound) exit_code = std::max(exit_code, static_cast<int>(finding.code));
+    print(finding.problems, "");
+    print(finding.warnings, "warning: ");
+    if (options.json) {
+      json.push_back({{"file", file},
+                      {"kind", finding.kind},
+                      {"ok", sound},
+                      {"summary", finding.summary},
+                      {"problems", to_json(finding.problems)},
+                      {"warnings", to_json(finding.warnings)}});
+    } else if (sound) {
+      std::printf("%s: %s, sound: %s\n", file.c_str(), finding.kind.c_str(), finding.summary.c_str());
+    } else {
+      std::printf("%s: %s, %zu problem%s\n", file.c_str(), finding.kind.c_str(), finding.problems.size(),
+                  finding.problems.size() == 1 ? "" : "s");
+    }
+  }
+  if (options.json) {
+    std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+CommandBody setup_check(CLI::App& app) {
+  auto options = std::make_shared<CheckOptions>();
+  app.add_option("FILE", options->files,
+                 "Rig, session (directory or session.yaml), recording, result, PNG, PCD, camera intrinsics")
+      ->required();
+  app.add_flag("--json", options->json, "Print the findings as JSON");
+  app.footer(
+      "A session's directory is checked with all its pictures and clouds. Problems go to stderr. Exit "
+      "status:\n"
+      "0 sound (there may be warnings), 65 bad data, 74 cannot be read, 78 bad configuration; the highest of "
+      "all.");
+  return [options]() -> Result<int> { return run_check(*options); };
+}
+
+}  // namespace ca2
