@@ -32,10 +32,10 @@ class CameraModel {
   virtual std::span<const std::string_view> parameter_names() const = 0;
   /// How many of them may be left out at the end (0 or 1; a missing one counts as 0).
   virtual int optional_parameters() const { return 0; }
-  /// What follows fx fy cx cy where an estimation starts from nothing: no distortion, unless that is a bad
-  /// place to start from.
-  virtual CameraParameters initial_shape() const {
-    return CameraParameters::Zero(static_cast<Eigen::Index>(parameter_names().size()) - 4);
+  /// What may follow fx fy cx cy where an estimation starts from nothing, each tried to the end: no
+  /// distortion, unless the model has better places to start from or several minima; the likeliest first.
+  virtual std::vector<CameraParameters> initial_shapes() const {
+    return {CameraParameters::Zero(static_cast<Eigen::Index>(parameter_names().size()) - 4)};
   }
 
   /// Pixel of a point [m]; nothing where the model does not project it (behind, outside its valid domain:

@@ -21,7 +21,7 @@ struct IntrinsicsGates {
   double min_coverage = 0.25;         ///< share of the picture (6 x 6 cells) that has seen a corner
   double min_tilt = 0.15;             ///< rad, largest angle between two boards' normals
   double max_focal_sigma = 0.01;      ///< relative, of the focal length on the axis
-  double max_center_sigma = 0.01;     ///< of the principal point, relative to the picture's width
+  double max_center_sigma = 0.02;     ///< of the principal point, relative to the picture's width
   double max_projection_sigma = 1.0;  ///< px, IntrinsicsEstimate::projection_sigma
 };
 

@@ -16,9 +16,11 @@ class DoubleSphere final : public CameraModel {
     static constexpr std::array<std::string_view, 6> names{"fx", "fy", "cx", "cy", "xi", "alpha"};
     return names;
   }
-  /// Zeros would be a pinhole, which cannot see the rim of a fisheye; this is the stereographic projection,
-  /// which sees everything and is half-way to every lens the model describes.
-  CameraParameters initial_shape() const override { return Eigen::Vector2d(0, 0.5); }
+  /// Zeros would be a pinhole, which cannot see the rim of a fisheye. A lens usually has a second fit with xi
+  /// of the other sign, a few hundredths of a pixel worse.
+  std::vector<CameraParameters> initial_shapes() const override {
+    return {Eigen::Vector2d(-0.2, 0.58), Eigen::Vector2d(0.25, 0.65)};
+  }
 
   std::optional<Eigen::Vector2d> project(const CameraParameters& parameters, const Eigen::Vector3d& point,
                                          ProjectionJacobian* jacobian) const override {

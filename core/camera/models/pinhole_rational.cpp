@@ -15,6 +15,13 @@ class PinholeRational final : public CameraModel {
                                                             "p1", "p2", "k3", "k4", "k5", "k6"};
     return names;
   }
+  /// A wide lens is not reached from zeros: on the way the denominator gets a root inside the picture. So
+  /// also the Pade approximation of atan(r) / r, the equidistant fisheye, which has none anywhere.
+  std::vector<CameraParameters> initial_shapes() const override {
+    CameraParameters fisheye = CameraParameters::Zero(8);
+    fisheye << 735.0 / 945, 64.0 / 945, 0, 0, 0, 1050.0 / 945, 225.0 / 945, 0;
+    return {CameraParameters::Zero(8), fisheye};
+  }
 
   std::optional<Eigen::Vector2d> project(const CameraParameters& parameters, const Eigen::Vector3d& point,
                                          ProjectionJacobian* jacobian) const override {
