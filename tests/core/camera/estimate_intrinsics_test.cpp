@@ -15,6 +15,8 @@ namespace {
 using test::checkerboard;
 using test::simulate_views;
 
+// Double sphere lenses with xi < 0, as real ones have: within 82 degrees a lens with xi > 0 has a second fit
+// that 0.1 px of noise does not tell from the first.
 std::vector<Camera> true_cameras() {
   return {
       test::make_camera("pinhole_radtan", 1388, 1038,
@@ -24,7 +26,7 @@ std::vector<Camera> true_cameras() {
       test::make_camera("kannala_brandt", 1920, 1208,
                         {1176.93, 1177.72, 962.275, 612.725, -0.0540096, -0.0784275, 0.0959641, -0.0515253}),
       test::make_camera("double_sphere", 512, 512, {157, 157.5, 254, 256, -0.18, 0.59}),
-      test::make_camera("double_sphere", 848, 800, {300, 301, 420, 405, 0.3, 0.65}),
+      test::make_camera("double_sphere", 848, 800, {230, 231, 420, 405, -0.25, 0.55}),
   };
 }
 
@@ -87,7 +89,7 @@ TEST(EstimateIntrinsics, FindsTheTruthWithinItsSigma) {
 TEST(EstimateIntrinsics, ExactCornersGiveTheExactCamera) {
   std::mt19937_64 rng(2);
   for (const Camera& truth : true_cameras()) {
-    const auto views = simulate_views(truth, 12, 0, 0.1, rng);
+    const auto views = simulate_views(truth, 12, 0, 0.1, rng, 0.7, false, M_PI);
     const auto estimate =
         estimate_intrinsics(checkerboard(), truth.width, truth.height, truth.model->name(), views.corners);
     ASSERT_TRUE(estimate) << test::describe(truth) << "\n" << estimate.error().text();
@@ -143,11 +145,14 @@ TEST(EstimateIntrinsics, AgreesWithOpenCv) {
   const std::vector<double> theirs{K.at<double>(0, 0), K.at<double>(1, 1), K.at<double>(0, 2),
                                    K.at<double>(1, 2), D.at<double>(0),    D.at<double>(1),
                                    D.at<double>(2),    D.at<double>(3),    D.at<double>(4)};
+  // OpenCV divides the sum of 2 N squared errors by N less the unknowns, not by 2 N less the unknowns.
+  const double n = 48 * 20, unknowns = 9 + 6 * 20;
+  const double excess = std::sqrt((2 * n - unknowns) / (n - unknowns));
   for (Eigen::Index i = 0; i < 9; ++i) {
     const double ours = std::sqrt(estimate->covariance(i, i));
     // OpenCV reads the pixels as floats, and Huber's weights are not its: a tenth of sigma is close.
     EXPECT_NEAR(estimate->camera.parameters[i], theirs[static_cast<std::size_t>(i)], 0.1 * ours) << i;
-    EXPECT_NEAR(ours, sigma.at<double>(static_cast<int>(i)), 0.1 * ours) << i;
+    EXPECT_NEAR(ours * excess, sigma.at<double>(static_cast<int>(i)), 0.05 * ours) << i;
   }
 }
 

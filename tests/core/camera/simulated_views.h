@@ -27,9 +27,10 @@ struct SimulatedViews {
 
 /// `count` views whose boards lie wholly in the picture: places all over it, tilts up to `tilt` [rad] off the
 /// line of sight, or all parallel to the picture plane (`parallel`). Noise of `sigma` px, whose covariance
-/// claims `claimed` px.
+/// claims `claimed` px. No corner is more than `rim` [rad] off the axis, where a lens' image circle ends.
 inline SimulatedViews simulate_views(const Camera& camera, int count, double sigma, double claimed,
-                                     std::mt19937_64& rng, double tilt = 0.7, bool parallel = false) {
+                                     std::mt19937_64& rng, double tilt = 0.7, bool parallel = false,
+                                     double rim = 1.43) {
   const Board board = checkerboard();
   const std::vector<Eigen::Vector2d> points = board.type->corners(board);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -53,7 +54,9 @@ inline SimulatedViews simulate_views(const Camera& camera, int count, double sig
                       : Eigen::Matrix3d(facing * so3_exp({x, y, 0}) * so3_exp({0, 0, roll}));
     std::vector<Corner> corners;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto pixel = camera.project(pose * Eigen::Vector3d(points[i].x(), points[i].y(), 0));
+      const Eigen::Vector3d p = pose * Eigen::Vector3d(points[i].x(), points[i].y(), 0);
+      if (std::atan2(p.head<2>().norm(), p.z()) > rim) break;
+      const auto pixel = camera.project(p);
       if (!pixel || !camera.contains(*pixel, 2)) break;
       Corner corner;
       corner.id = static_cast<int>(i);
