@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 
 namespace ca2 {
 
@@ -18,10 +17,13 @@ class Pacer {
   /// The first datagram is due when it is first asked for.
   std::int64_t wait(std::int64_t time, std::int64_t now) {
     if (speed_ <= 0) return 0;
-    if (!start_) start_ = Start{time, now};
+    if (!started_) {
+      started_ = true;
+      start_ = {time, now};
+    }
     // In floating point, so that a damaged stamp cannot overflow; the limit is some 30 years.
-    const double elapsed = (static_cast<double>(time) - static_cast<double>(start_->recorded)) / speed_;
-    const std::int64_t left = start_->now + static_cast<std::int64_t>(std::clamp(elapsed, -1e18, 1e18)) - now;
+    const double elapsed = (static_cast<double>(time) - static_cast<double>(start_.recorded)) / speed_;
+    const std::int64_t left = start_.now + static_cast<std::int64_t>(std::clamp(elapsed, -1e18, 1e18)) - now;
     return left > 0 ? left : 0;
   }
 
@@ -30,7 +32,8 @@ class Pacer {
     std::int64_t recorded = 0, now = 0;  ///< ns
   };
   double speed_;
-  std::optional<Start> start_;
+  bool started_ = false;
+  Start start_;  ///< of the first datagram
 };
 
 }  // namespace ca2

@@ -1,0 +1,196 @@
+/// @file `ca2 sensors`: listens, and names the LiDARs it hears.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "drivers/lidar_config/ouster_config.h"
+#include "drivers/lidar_config/velodyne_config.h"
+#include "drivers/net/pcap_reader.h"
+#include "drivers/net/udp_source.h"
+#include "drivers/survey/survey.h"
+#include "tools/ca2/command.h"
+#include "tools/ca2/interrupt.h"
+#include "tools/ca2/packet_report.h"
+
+namespace ca2 {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+  std::vector<std::uint16_t> ports;  // empty: the vendors' defaults, or a capture's all
+  double duration = 3;               // s
+  std::filesystem::path pcap;
+  std::string group, interface;
+  bool share = false, probe = false, as_json = false;
+};
+
+const std::vector<std::uint16_t> default_ports{7502, 7503, 2368, 8308};
+
+/// What a listening gave.
+struct Heard {
+  Survey survey;
+  PacketCounters counters;
+  std::vector<std::string> warnings;
+};
+
+Result<void> read_all(PacketSource& source, std::chrono::steady_clock::time_point end, Heard& heard) {
+  for (;;) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+    const Result<PacketBatch> batch = source.next_batch(std::max(left, std::chrono::milliseconds(0)));
+    heard.counters = source.counters();
+    if (!batch) return fail(batch.error());
+    for (const Datagram& datagram : batch->datagrams) heard.survey.add(datagram);
+    const bool over = batch->event == PacketEvent::end || batch->event == PacketEvent::stopped;
+    if (over || std::chrono::steady_clock::now() >= end) return {};
+  }
+}
+
+Result<void> listen(const Options& options, Heard& heard) {
+  UdpSourceOptions source_options;
+  source_options.socket.multicast_group = options.group;
+  source_options.socket.interface = options.interface;
+  source_options.socket.share_port = options.share;
+  std::vector<Problem> taken;
+  for (const std::uint16_t port : options.ports.empty() ? default_ports : options.ports) {
+    // A port that another program has is no reason not to listen to the others.
+    UdpSocketOptions one = source_options.socket;
+    one.port = port;
+    if (const Result<UdpSocket> socket = open_udp_socket(one)) {
+      source_options.ports.push_back(port);
+    } else {
+      taken.insert(taken.end(), socket.error().problems.begin(), socket.error().problems.end());
+    }
+  }
+  if (source_options.ports.empty()) return fail(ErrorCode::unavailable, std::move(taken));
+  for (const Problem& problem : taken) {
+    heard.warnings.push_back(Error(ErrorCode::unavailable, problem.where, problem.what, problem.hint).text());
+  }
+  const auto source = UdpSource::open(source_options);
+  if (!source) return fail(source.error());
+  if (!(*source)->sockets()[0].warning.empty()) heard.warnings.push_back((*source)->sockets()[0].warning);
+  const Interrupt interrupt(source->get());
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::nanoseconds>(
+                                                          std::chrono::duration<double>(options.duration));
+  return read_all(**source, end, heard);
+}
+
+Result<void> read_capture(const Options& options, Heard& heard) {
+  PcapOptions pcap;
+  pcap.ports = options.ports;
+  const auto reader = PcapReader::open(options.pcap, pcap);
+  if (!reader) return fail(reader.error());
+  return read_all(**reader, std::chrono::steady_clock::time_point::max(), heard);
+}
+
+/// What the sensors at the addresses heard say over HTTP. Reads only.
+json probe(const Survey& survey) {
+  json found = json::object();
+  std::set<std::pair<std::string, std::string>> hosts;
+  for (const StreamSummary& stream : survey.streams()) {
+    if (!stream.identity.vendor.empty()) hosts.insert({stream.source_address, stream.identity.vendor});
+  }
+  for (const auto& [host, vendor] : hosts) {
+    Result<std::string> text = fail(ErrorCode::internal, "", "not asked");
+    if (vendor == "Ouster") {
+      const auto config = OusterConfig::connect(host);
+      text = config ? config->read_metadata() : Result<std::string>(fail(config.error()));
+    } else {
+      text = VelodyneConfig(host).read_info();
+    }
+    if (!text) {
+      found[host] = {{"error", text.error().text()}};
+      continue;
+    }
+    const json all = json::parse(*text);
+    found[host] = vendor == "Ouster" ? all.value("sensor_info", json::object()) : all;
+  }
+  return found;
+}
+
+json streams_json(const Survey& survey) {
+  json list = json::array();
+  for (const StreamSummary& stream : survey.streams()) {
+    json details = json::object();
+    for (const auto& [key, value] : stream.identity.details) details[key] = value;
+    json entry = {{"source", stream.source_address},
+                  {"port", stream.destination_port},
+                  {"size", stream.size},
+                  {"datagrams", stream.datagrams},
+                  {"rate_hz", stream.rate()},
+                  {"vendor", stream.identity.vendor},
+                  {"model", stream.identity.model},
+                  {"kind", stream.identity.kind},
+                  {"details", details}};
+    entry["lost"] = stream.identity.lost ? json(*stream.identity.lost) : json();
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+void print_streams(const Survey& survey, const json& probed) {
+  for (const StreamSummary& stream : survey.streams()) {
+    const StreamIdentity& identity = stream.identity;
+    const std::string who =
+        identity.vendor.empty()
+            ? "not a LiDAR known here"
+            : identity.vendor + " " + (identity.model.empty() ? "" : identity.model + " ") + identity.kind;
+    std::printf("%s -> port %u: %s\n", stream.source_address.c_str(), stream.destination_port, who.c_str());
+    std::printf("    %zu bytes, %.1f/s, %llu datagrams", stream.size, stream.rate(),
+                static_cast<unsigned long long>(stream.datagrams));
+    if (identity.lost) std::printf(", %llu lost", static_cast<unsigned long long>(*identity.lost));
+    std::printf("\n");
+    for (const auto& [key, value] : identity.details) std::printf("    %s: %s\n", key.c_str(), value.c_str());
+  }
+  if (survey.unlisted() > 0) {
+    std::printf("and %llu datagrams of further streams\n",
+                static_cast<unsigned long long>(survey.unlisted()));
+  }
+  for (const auto& [host, value] : probed.items())
+    std::printf("%s says: %s\n", host.c_str(), value.dump(2).c_str());
+}
+
+Result<int> run(const Options& options) {
+  Heard heard;
+  const Result<void> done = options.pcap.empty() ? listen(options, heard) : read_capture(options, heard);
+  if (!done && heard.survey.streams().empty()) return fail(done.error());
+  const json probed = options.probe && options.pcap.empty() ? probe(heard.survey) : json::object();
+  if (options.as_json) {
+    json report = {{"streams", streams_json(heard.survey)},
+                   {"counters", counters_json(heard.counters)},
+                   {"warnings", heard.warnings}};
+    if (options.probe) report["probe"] = probed;
+    std::printf("%s\n", report.dump(2, ' ', false, json::error_handler_t::replace).c_str());
+  } else {
+    for (const std::string& warning : heard.warnings) std::fprintf(stderr, "ca2: %s\n", warning.c_str());
+    print_streams(heard.survey, probed);
+    if (heard.counters.lost() > 0) print_counters(stdout, heard.counters);
+  }
+  if (!done) return fail(done.error());
+  if (heard.survey.streams().empty()) {
+    return fail(ErrorCode::unavailable, options.pcap.string(), "nothing heard",
+                "is the sensor on, and does it send to this host and these ports? (`--port`)");
+  }
+  return 0;
+}
+
+}  // namespace
+
+CommandBody setup_sensors(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  app.add_option("--port", options->ports, "UDP ports; default 7502 7503 2368 8308");
+  app.add_option("--duration", options->duration, "Seconds to listen")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--pcap", options->pcap, "Look into this capture file instead");
+  app.add_option("--group", options->group, "Multicast group to join");
+  app.add_option("--interface", options->interface, "Interface for the group");
+  app.add_flag("--share", options->share,
+               "Share the ports with programs that share them too; takes their unicast packets");
+  app.add_flag("--probe", options->probe, "Ask the sensors heard about themselves over HTTP (reads only)");
+  app.add_flag("--json", options->as_json, "For programs");
+  return [options] { return run(*options); };
+}
+
+}  // namespace ca2
