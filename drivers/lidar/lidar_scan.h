@@ -1,0 +1,30 @@
+/// @file What a LiDAR driver gives out: a scan and how it came about.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/types/scan.h"
+
+namespace ca2 {
+
+/// One packet seen by two clocks: what a clock mapping learns from.
+struct ClockSample {
+  std::int64_t device = 0;  ///< ns, the sensor's clock: first measurement of the packet
+  std::int64_t host = 0;    ///< ns UTC, when the host received it
+
+  bool operator==(const ClockSample&) const = default;
+};
+
+struct LidarScan {
+  Scan scan;  ///< time: ns on the sensor's clock (Velodyne: UTC from the host's hour and the sensor's us)
+  std::uint32_t frame_id = 0;      ///< Ouster: the sensor's; Velodyne: counted
+  bool complete = false;           ///< Ouster: no packet of the window missing; Velodyne: no gap, cut at both ends
+  int missing_packets = 0;
+  std::vector<ClockSample> clock;  ///< one per packet, in the order of arrival
+};
+
+using LidarSink = std::function<void(LidarScan&&)>;
+
+}  // namespace ca2

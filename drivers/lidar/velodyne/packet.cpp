@@ -1,0 +1,165 @@
+#include "drivers/lidar/velodyne/packet.h"
+
+#include <algorithm>
+
+namespace ca2 {
+namespace {
+
+using P = VelodynePacket;
+
+/// Where each block of a packet belongs.
+struct Place {
+  int firing;  ///< in cycles from the packet's start, of the block's first half
+  int ret;     ///< return: 0 is given out first; -1: holds no distances
+};
+
+using Layout = VelodyneLayout;
+
+/// HDL-64E packets carry no return mode, but S2 and S3 send upper and lower block with one azimuth, twice
+/// in a row with dual returns; an S1 sends three upper blocks and a lower one, each at its own azimuth.
+Layout hdl_64e_layout(const std::uint8_t* packet) {
+  bool paired = true, twice = true;
+  for (int b = 0; b < P::blocks; b += 2) {
+    const std::uint8_t* first = P::block(packet, b);
+    const std::uint8_t* second = P::block(packet, b + 1);
+    paired = paired && P::azimuth(first) == P::azimuth(second) && P::flag(first) != P::flag(second);
+    if (b % 4 == 0) twice = twice && P::azimuth(first) == P::azimuth(P::block(packet, b + 2));
+  }
+  if (!paired) return Layout::apart;
+  return twice ? Layout::groups : Layout::single;
+}
+
+Place find_place(Layout layout, int block, int banks, int per_block) {
+  // With pairs and triples the strongest comes second on the wire and is given out first.
+  constexpr int order[] = {1, 0, -1};
+  switch (layout) {
+    case Layout::single:
+      return {block / banks * per_block, 0};
+    case Layout::pairs:
+      return {block / 2 / banks * per_block, order[block % 2]};
+    case Layout::triples:
+      return {block / 3 / banks * per_block, order[block % 3]};
+    case Layout::groups:
+      return {block / 4, block / 2 % 2};
+    case Layout::apart:
+      return {block, 0};
+  }
+  return {0, -1};
+}
+
+/// VLS-128, dual: one firing fills eight blocks, the rest of the packet is filler with flag 0.
+int used_blocks(Layout layout, int banks) { return layout == Layout::pairs && banks == 4 ? 8 : P::blocks; }
+
+/// Mean step of the azimuth per firing: the median where some step is far off (a field of view begins, a
+/// block is damaged), for the mean is finer than the 0.01 degree of the wire.
+double find_azimuth_step(const VelodyneFirings& firings, int per_block) {
+  std::array<int, 12> steps{};
+  int n = 0;
+  for (int i = per_block; i < firings.count; i += per_block) {
+    int step = (firings.firing[i].azimuth - firings.firing[i - per_block].azimuth) % P::azimuth_turn;
+    if (step > P::azimuth_turn / 2) step -= P::azimuth_turn;
+    if (step < -P::azimuth_turn / 2) step += P::azimuth_turn;
+    steps[static_cast<std::size_t>(n++)] = step;
+  }
+  if (n == 0) return 0;
+  std::sort(steps.begin(), steps.begin() + n);
+  constexpr int jitter = 8;
+  double step = steps[static_cast<std::size_t>(n / 2)];
+  if (steps[static_cast<std::size_t>(n - 1)] - steps[0] <= jitter) {
+    step = 0;
+    for (int i = 0; i < n; ++i) step += steps[static_cast<std::size_t>(i)];
+    step /= n;
+  }
+  return step / per_block;
+}
+
+}  // namespace
+
+int velodyne_bank(std::uint16_t flag) {
+  for (int bank = 0; bank < 4; ++bank) {
+    if (P::bank_flags[bank] == flag) return bank;
+  }
+  return -1;
+}
+
+std::optional<VelodyneLayout> find_velodyne_layout(const VelodyneModel& model, const std::uint8_t* packet) {
+  if (model.dual == VelodyneDual::groups) return hdl_64e_layout(packet);
+  const auto same = [&](int a, int b) {
+    return P::azimuth(P::block(packet, a)) == P::azimuth(P::block(packet, b));
+  };
+  switch (P::return_mode(packet)) {
+    case P::mode_strongest:
+    case P::mode_last:
+      return Layout::single;
+    case P::mode_dual:
+      return Layout::pairs;
+    case P::mode_dual_confidence:
+      // Last, strongest, confidence of one firing; any other arrangement is not known.
+      if (same(0, 1) && same(1, 2)) return Layout::triples;
+      return std::nullopt;
+    default:
+      // Firmware from before the byte existed: only the azimuths tell.
+      return same(0, 1) && model.lasers <= 32 ? Layout::pairs : Layout::single;
+  }
+}
+
+int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout) {
+  const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
+  const int last = find_place(layout, used_blocks(layout, banks) - 1, banks, model.firings_per_block()).firing;
+  return last + model.firings_per_block();
+}
+
+VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout,
+                                      const std::uint8_t* packet) {
+  const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
+  const int per_block = model.firings_per_block();
+  VelodyneFirings out;
+  std::array<bool, 24> seen{};
+  int last = -1;
+  for (int b = 0; b < used_blocks(layout, banks); ++b) {
+    const std::uint8_t* block = P::block(packet, b);
+    const Place place = find_place(layout, b, banks, per_block);
+    const int bank = velodyne_bank(P::flag(block));
+    const int azimuth = P::azimuth(block);
+    if (bank < 0 || bank * P::channels >= std::max(model.lasers, P::channels) || azimuth >= P::azimuth_turn) {
+      ++out.bad_blocks;
+      continue;
+    }
+    for (int half = 0; half < per_block; ++half) {
+      const auto at = static_cast<std::size_t>(place.firing + half);
+      VelodyneFiring& firing = out.firing[at];
+      if (!seen[at]) {
+        seen[at] = true;
+        firing.azimuth = azimuth;
+        firing.half = half;
+        firing.cycle = place.firing + half;
+      }
+      if (place.ret >= 0) firing.blocks[static_cast<std::size_t>(place.ret)][static_cast<std::size_t>(bank)] = block;
+    }
+    last = std::max(last, place.firing + per_block - 1);
+  }
+  // Firings whose blocks were all damaged close up; their times stay what they were.
+  for (int i = 0; i <= last; ++i) {
+    if (seen[static_cast<std::size_t>(i)]) {
+      out.firing[static_cast<std::size_t>(out.count++)] = out.firing[static_cast<std::size_t>(i)];
+    }
+  }
+  out.azimuth_step = find_azimuth_step(out, per_block);
+  return out;
+}
+
+bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet) {
+  if (model.product_ids.empty()) return false;
+  const std::uint8_t id = P::product_id(packet);
+  // 0: firmware from before the byte existed.
+  if (id != 0 && std::find(model.product_ids.begin(), model.product_ids.end(), id) == model.product_ids.end()) {
+    return true;
+  }
+  if (model.lasers > 32) return false;
+  for (int b = 0; b < P::blocks; ++b) {
+    if (velodyne_bank(P::flag(P::block(packet, b))) > 0) return true;
+  }
+  return false;
+}
+
+}  // namespace ca2
