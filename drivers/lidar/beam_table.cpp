@@ -39,7 +39,7 @@ BeamTable velodyne_table(const VelodyneModel& model, const VelodyneCalibration& 
   table.rings = model.lasers;
   table.columns = static_cast<int>(std::floor(1 / (rate * model.cycle)));
   table.rate = rate;
-  table.range_quantum = calibration.distance_lsb > 0 ? calibration.distance_lsb : model.distance_lsb;
+  table.range_quantum = model.distance_lsb;
   table.min_range = model.min_range;
   table.max_range = model.max_range;
   const std::size_t size = static_cast<std::size_t>(table.rings) * table.columns;

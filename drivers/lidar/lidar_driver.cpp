@@ -10,13 +10,16 @@
 namespace ca2 {
 namespace {
 
-Result<std::unique_ptr<PacketDecoder>> open_ouster(const OusterMetadata& metadata, const LidarDriverOptions& options) {
+Result<std::unique_ptr<PacketDecoder>> open_ouster(const OusterMetadata& metadata,
+                                                   const LidarDriverOptions& options) {
   if (metadata.profile == "OFF") {
-    return fail(ErrorCode::config, "", "the metadata says udp_profile_lidar OFF: the sensor sends no LiDAR packets",
+    return fail(ErrorCode::config, "",
+                "the metadata says udp_profile_lidar OFF: the sensor sends no LiDAR packets",
                 "switch them on, e.g. RNG19_RFL8_SIG16_NIR16");
   }
   OusterOptions ouster;
   ouster.second_returns = options.second_returns;
+  ouster.exact = options.exact;
   return std::unique_ptr<PacketDecoder>(std::make_unique<OusterDecoder>(metadata, std::move(ouster)));
 }
 
@@ -24,7 +27,8 @@ Result<std::unique_ptr<PacketDecoder>> open_velodyne(const LidarModel& model, co
                                                      const LidarDriverOptions& options) {
   const VelodyneModel& velodyne = *model.velodyne();
   std::optional<VelodyneCalibration> known;
-  const bool streamed = options.streamed_calibration && spec.calibration.empty() && velodyne.factory.lasers.empty();
+  const bool streamed =
+      options.streamed_calibration && spec.calibration.empty() && velodyne.factory.lasers.empty();
   if (!streamed) {
     Result<VelodyneCalibration> calibration = velodyne_calibration(velodyne, model.name, spec.calibration);
     if (!calibration) return fail(calibration.error());
@@ -32,9 +36,12 @@ Result<std::unique_ptr<PacketDecoder>> open_velodyne(const LidarModel& model, co
   }
   VelodyneOptions out;
   out.second_returns = options.second_returns;
+  out.exact = options.exact;
   const double turns = options.cut_azimuth / (2 * std::numbers::pi);
-  out.cut_azimuth = static_cast<int>(std::lround((turns - std::floor(turns)) * VelodynePacket::azimuth_turn)) %
-                    VelodynePacket::azimuth_turn;
+  out.cut_azimuth =
+      static_cast<int>(std::lround((turns - std::floor(turns)) * VelodynePacket::azimuth_turn)) %
+      VelodynePacket::azimuth_turn;
+  out.azimuth = options.azimuth;
   out.two_point_correction = options.two_point_correction;
   return std::unique_ptr<PacketDecoder>(std::make_unique<VelodyneDecoder>(velodyne, known, out));
 }

@@ -9,6 +9,7 @@
 #include "drivers/lidar/counters.h"
 #include "drivers/lidar/lidar_scan.h"
 #include "drivers/lidar/packet_decoder.h"
+#include "drivers/lidar/velodyne/packet.h"
 
 namespace ca2 {
 
@@ -17,10 +18,12 @@ struct LidarDriverOptions {
   /// without serial numbers in their packets share a port.
   std::string source_address;
   bool second_returns = true;  ///< of dual return modes, into the scan
+  bool exact = false;          ///< give LidarScan::exact
   double cut_azimuth = 0;      ///< rad, Velodyne: where a scan begins, clockwise from +y
   /// HDL-64E without a calibration file: take the one S2 and S3 stream in their packets. Until it has come
   /// whole (seconds), packets are counted as waiting_for_calibration.
   bool streamed_calibration = false;
+  VelodyneAzimuth azimuth = VelodyneAzimuth::times;  ///< Velodyne: where lasers look within a block
   bool two_point_correction = false;  ///< HDL-64E: the manual's correction below 25 m (velodyne/projection.h)
 };
 

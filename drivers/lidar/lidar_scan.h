@@ -17,10 +17,17 @@ struct ClockSample {
   bool operator==(const ClockSample&) const = default;
 };
 
+/// A return without the rounding to float (up to 8 um at 100 m).
+struct ExactReturn {
+  Eigen::Vector3d point;  ///< m
+  double range;           ///< m
+};
+
 struct LidarScan {
   Scan scan;  ///< time: ns on the sensor's clock (Velodyne: UTC from the host's hour and the sensor's us)
+  std::vector<ExactReturn> exact;  ///< empty, or one per point: LidarDriverOptions::exact
   std::uint32_t frame_id = 0;      ///< Ouster: the sensor's; Velodyne: counted
-  bool complete = false;           ///< Ouster: no packet of the window missing; Velodyne: no gap, cut at both ends
+  bool complete = false;  ///< Ouster: no packet of the window missing; Velodyne: no gap, cut at both ends
   int missing_packets = 0;
   std::vector<ClockSample> clock;  ///< one per packet, in the order of arrival
 };

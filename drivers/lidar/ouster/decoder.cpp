@@ -56,8 +56,7 @@ void OusterDecoder::flush(LidarCounters& counters, const LidarSink& sink) {
 
 void OusterDecoder::give_out(const OusterFrame& frame, const LidarSink& sink) const {
   if (options_.frame_sink) options_.frame_sink(frame);
-  LidarScan out;
-  out.scan = make_scan(frame, geometry_, options_.second_returns);
+  LidarScan out = make_scan(frame, geometry_, options_.second_returns, options_.exact);
   out.frame_id = frame.frame_id;
   out.complete = frame.missing_packets == 0;
   out.missing_packets = frame.missing_packets;

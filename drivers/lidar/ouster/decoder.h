@@ -10,6 +10,7 @@ namespace ca2 {
 
 struct OusterOptions {
   bool second_returns = true;  ///< of dual return profiles, into the scan
+  bool exact = false;          ///< give LidarScan::exact
   bool extra_fields = false;   ///< decode signal and near infrared for `frame_sink`
   /// Also sees every frame with all its fields.
   std::function<void(const OusterFrame&)> frame_sink;

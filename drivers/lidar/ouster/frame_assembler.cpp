@@ -169,7 +169,8 @@ void OusterFrameAssembler::decode_column(OusterFrame& frame, const std::uint8_t*
   for (int i = 0; i < (profile.dual() ? 2 : 1); ++i) {
     decode_field(profile.range[i], pixels, stride, rows, &frame.range[i][first]);
     decode_field(profile.reflectivity[i], pixels, stride, rows, &frame.reflectivity[i][first]);
-    if (!frame.signal[i].empty()) decode_field(profile.signal[i], pixels, stride, rows, &frame.signal[i][first]);
+    if (!frame.signal[i].empty())
+      decode_field(profile.signal[i], pixels, stride, rows, &frame.signal[i][first]);
   }
   if (!frame.near_ir.empty()) decode_field(profile.near_ir, pixels, stride, rows, &frame.near_ir[first]);
 }

@@ -49,10 +49,10 @@ class OusterFrameAssembler {
   bool extra_fields_;
   std::vector<bool> expected_;  ///< by packet of a frame
   int expected_count_ = 0;
-  std::deque<Slot> slots_;    ///< by rising frame id
-  std::vector<Slot> spare_;   ///< given out, its memory for the next
+  std::deque<Slot> slots_;               ///< by rising frame id
+  std::vector<Slot> spare_;              ///< given out, its memory for the next
   std::optional<std::uint32_t> closed_;  ///< the newest frame given out
-  int late_run_ = 0;          ///< packets in a row that were too old
+  int late_run_ = 0;                     ///< packets in a row that were too old
 };
 
 }  // namespace ca2

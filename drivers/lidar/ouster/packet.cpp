@@ -33,9 +33,7 @@ OusterFormat make_ouster_format(const OusterMetadata& metadata) {
 
 OusterPacketKind classify_ouster_packet(const OusterFormat& format, std::span<const std::uint8_t> packet) {
   const bool typed = packet.size() >= 64;
-  const int type = !typed             ? 0
-                   : format.fusa_header ? packet[0]
-                                        : load<std::uint16_t>(packet.data());
+  const int type = !typed ? 0 : format.fusa_header ? packet[0] : load<std::uint16_t>(packet.data());
   if (format.profile && packet.size() == format.packet_bytes) {
     // Sizes of different formats collide, so the type must fit as well.
     if (format.profile->legacy() || type == type_lidar) return OusterPacketKind::lidar;

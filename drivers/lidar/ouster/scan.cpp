@@ -29,11 +29,11 @@ struct Chunk {
 /// Computes in double, rounds to float at the end. Points of range 0 are written too and then overwritten:
 /// cheaper than a branch that is taken at random.
 template <int returns>
-void convert_column(const OusterFrame& frame, const OusterGeometry& geometry, std::size_t column, Chunk& chunk) {
+void convert_column(const OusterFrame& frame, const OusterGeometry& geometry, std::size_t column,
+                    Chunk& chunk) {
   const std::size_t first = column * static_cast<std::size_t>(frame.rows);
   const Eigen::Matrix3d& M = geometry.columns[column].M;
-  const Eigen::Vector3d base =
-      geometry.t + M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z);
+  const Eigen::Vector3d base = geometry.t + M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z);
   std::size_t n = 0;
   for (int row = 0; row < frame.rows; ++row) {
     const OusterGeometry::Row& r = geometry.rows[static_cast<std::size_t>(row)];
@@ -44,8 +44,9 @@ void convert_column(const OusterFrame& frame, const OusterGeometry& geometry, st
       const std::uint32_t mm = frame.range[i][first + static_cast<std::size_t>(row)];
       const double range = mm * 1e-3;
       const double p = range - geometry.origin_range;
-      chunk.points[n] = Eigen::Vector3f(static_cast<float>(p * x + base.x()), static_cast<float>(p * y + base.y()),
-                                        static_cast<float>(p * z + base.z()));
+      chunk.points[n] =
+          Eigen::Vector3f(static_cast<float>(p * x + base.x()), static_cast<float>(p * y + base.y()),
+                          static_cast<float>(p * z + base.z()));
       chunk.range[n] = static_cast<float>(range);
       chunk.intensity[n] = frame.reflectivity[i][first + static_cast<std::size_t>(row)];
       chunk.ring[n] = static_cast<std::uint16_t>(row);
@@ -55,13 +56,28 @@ void convert_column(const OusterFrame& frame, const OusterGeometry& geometry, st
   chunk.size = n;
 }
 
+/// The same returns in the same order, unhurried.
+void add_exact(const OusterFrame& frame, const OusterGeometry& geometry, bool dual,
+               std::vector<ExactReturn>& out) {
+  for (int column = 0; column < frame.columns; ++column) {
+    for (int row = 0; row < frame.rows; ++row) {
+      for (int i = 0; i < (dual ? 2 : 1); ++i) {
+        const std::uint32_t mm = frame.range[i][static_cast<std::size_t>(column) * frame.rows + row];
+        if (mm != 0) out.push_back({geometry.point(row, column, mm * 1e-3), mm * 1e-3});
+      }
+    }
+  }
+}
+
 }  // namespace
 
-Scan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns) {
+LidarScan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns,
+                    bool exact) {
   const bool dual = second_returns && !frame.range[1].empty();
   const std::size_t capacity =
       static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns) * (dual ? 2 : 1);
-  Scan scan;
+  LidarScan out;
+  Scan& scan = out.scan;
   scan.rings = frame.rows;
   scan.columns = frame.columns;
   scan.points.reserve(capacity);
@@ -78,9 +94,11 @@ Scan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool se
     } else {
       convert_column<1>(frame, geometry, column, chunk);
     }
-    chunk.append_to(scan, static_cast<std::uint32_t>(column), static_cast<std::int64_t>(frame.timestamp[column]));
+    chunk.append_to(scan, static_cast<std::uint32_t>(column),
+                    static_cast<std::int64_t>(frame.timestamp[column]));
   }
-  return scan;
+  if (exact) add_exact(frame, geometry, dual, out.exact);
+  return out;
 }
 
 }  // namespace ca2

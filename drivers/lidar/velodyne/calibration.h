@@ -26,8 +26,9 @@ struct VelodyneLaser {
   bool operator==(const VelodyneLaser&) const = default;
 };
 
+/// What a file says of the distance's resolution is not read: it belongs to the wire format, and the file of
+/// the VLS-128 that drivers ship is known to have it wrong (7 mm for 4 mm).
 struct VelodyneCalibration {
-  double distance_lsb = 0;  ///< m per count; 0: the model's
   std::vector<VelodyneLaser> lasers;
 };
 

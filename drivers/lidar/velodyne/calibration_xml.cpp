@@ -95,10 +95,6 @@ Result<VelodyneCalibration> parse_velodyne_xml(const std::string& text, int lase
   }
   read_limits(db.child("minIntensity_"), &VelodyneLaser::min_intensity, out.lasers);
   read_limits(db.child("maxIntensity_"), &VelodyneLaser::max_intensity, out.lasers);
-  if (const std::optional<double> lsb = number(db, "distLSB_")) {
-    if (!(*lsb > 0 && *lsb <= 10)) problems.push_back({where, "distLSB_: must be within 0 to 10 cm", ""});
-    out.distance_lsb = *lsb * 0.01;
-  }
   if (!problems.empty()) return fail(ErrorCode::data, std::move(problems));
   return out;
 }

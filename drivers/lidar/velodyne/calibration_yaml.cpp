@@ -92,11 +92,6 @@ Result<VelodyneCalibration> read_document(const YAML::Node& root, int lasers, co
                         "has " + std::to_string(count) + " of the " + std::to_string(lasers) + " lasers",
                         "this is another model's file, or a part of it is missing"});
   }
-  if (const YAML::Node lsb = root["distance_resolution"]) {
-    if (!read_number(lsb, out.distance_lsb) || !(out.distance_lsb > 0 && out.distance_lsb <= 0.1)) {
-      problems.push_back({place(where, lsb.Mark()), "distance_resolution: must be within 0 to 0.1 m", ""});
-    }
-  }
   if (!problems.empty()) return fail(ErrorCode::data, std::move(problems));
   return out;
 }
@@ -128,10 +123,6 @@ Result<VelodyneCalibration> read_velodyne_calibration(const std::filesystem::pat
 std::string write_velodyne_yaml(const VelodyneCalibration& calibration) {
   char line[96];
   std::string out = "num_lasers: " + std::to_string(calibration.lasers.size()) + "\n";
-  if (calibration.distance_lsb > 0) {
-    std::snprintf(line, sizeof line, "distance_resolution: %.17g\n", calibration.distance_lsb);
-    out += line;
-  }
   out += "lasers:\n";
   for (std::size_t id = 0; id < calibration.lasers.size(); ++id) {
     const VelodyneLaser& laser = calibration.lasers[id];

@@ -15,7 +15,8 @@ constexpr double usual_rate = 360000;
 
 }  // namespace
 
-VelodyneDecoder::VelodyneDecoder(const VelodyneModel& model, const std::optional<VelodyneCalibration>& calibration,
+VelodyneDecoder::VelodyneDecoder(const VelodyneModel& model,
+                                 const std::optional<VelodyneCalibration>& calibration,
                                  const VelodyneOptions& options)
     : model_(model),
       options_(options),
@@ -94,22 +95,28 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
   const bool timed = layout != VelodyneLayout::apart;
   measure_cycle(packet, cycles);
   const double cycle = timed ? cycle_ : untimed_cycle;
-  const VelodyneFirings firings = read_velodyne_firings(model_, layout, packet.bytes);
+  VelodyneFirings firings = read_velodyne_firings(model_, layout, options_.azimuth, packet.bytes);
   counters.bad_columns += static_cast<std::uint64_t>(firings.bad_blocks);
   if (firings.count == 0) return;
   ++counters.lidar_packets;
 
   const std::int64_t missing = std::llround(packet.gap / cycle);
   const int azimuth = firings.firing[0].azimuth;
-  if (firings.azimuth_step > 0) {
-    step_ = firings.azimuth_step;
-  } else if (last_ && packet.gap == 0) {
+  if (firings.count > 1) {
+    const int turned =
+        (firings.firing[static_cast<std::size_t>(firings.count - 1)].azimuth - azimuth + P::azimuth_turn) %
+        P::azimuth_turn;
+    const int over = firings.firing[static_cast<std::size_t>(firings.count - 1)].cycle -
+                     firings.firing[static_cast<std::size_t>(firings.count - 1)].half;
+    if (turned > 0 && turned < P::azimuth_turn / 8 && over > 0) step_ = static_cast<double>(turned) / over;
+  } else if (firings.count == 1 && last_ && packet.gap == 0) {
     // One firing to a packet (VLS-128, dual): the step from packet to packet.
     const int turned = (azimuth - last_azimuth_ + P::azimuth_turn) % P::azimuth_turn;
     if (turned > 0 && turned < P::azimuth_turn / 8) step_ = static_cast<double>(turned) / last_cycles_;
   }
+  if (firings.count == 1 && options_.azimuth == VelodyneAzimuth::times) firings.firing[0].step.fill(step_);
   if (last_) firing_number_ += last_cycles_ + missing;
-  projection_->set_motion(timed ? step_ : 0, cycle);
+  projection_->set_cycle(cycle);
   const std::int64_t start = packet.device_time + (timed ? std::llround(model_.epoch * 1e9) : 0);
 
   VelodyneReturns returns;
@@ -118,7 +125,8 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     const std::int64_t number = firing_number_ + firing.cycle;
     const bool after_gap = i == 0 && missing > 0;
     // Halves of a block share its azimuth: only the first can begin a scan.
-    if (firing.half == 0 && cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
+    if (firing.half == 0 &&
+        cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
       give_out(counters, sink, !after_gap);
       begun_at_cut_ = !after_gap;
       // Where the first firings of a scan are missing, their number follows from how far the head has turned.
@@ -130,7 +138,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     }
     projection_->project(firing, start, options_.second_returns, returns);
     const auto column = static_cast<std::uint32_t>(number - scan_first_);
-    returns.append_to(scan_.scan, column);
+    returns.append_to(scan_, column, options_.exact);
     scan_.scan.columns = std::max(scan_.scan.columns, static_cast<int>(column) + 1);
   }
   if (missing > 0) scan_.missing_packets += static_cast<int>((missing + cycles / 2) / cycles);

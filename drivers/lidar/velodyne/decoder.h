@@ -13,7 +13,9 @@ namespace ca2 {
 
 struct VelodyneOptions {
   bool second_returns = true;
+  bool exact = false;   ///< give LidarScan::exact
   int cut_azimuth = 0;  ///< 0.01 degree
+  VelodyneAzimuth azimuth = VelodyneAzimuth::times;
   bool two_point_correction = false;
 };
 
@@ -28,7 +30,8 @@ class VelodyneDecoder : public PacketDecoder {
   bool ready() const override { return projection_.has_value(); }
 
  private:
-  void take(const OrderedPacket& packet, VelodyneLayout layout, LidarCounters& counters, const LidarSink& sink);
+  void take(const OrderedPacket& packet, VelodyneLayout layout, LidarCounters& counters,
+            const LidarSink& sink);
   void measure_cycle(const OrderedPacket& packet, int cycles);
   void give_out(LidarCounters& counters, const LidarSink& sink, bool whole);
 
@@ -39,8 +42,8 @@ class VelodyneDecoder : public PacketDecoder {
   VelodynePacketOrder order_;
   VelodyneScanCutter cutter_;
 
-  double cycle_;                    ///< s, the model's or as measured
-  std::int64_t measured_time_ = 0;  ///< ns between packets that followed each other ...
+  double cycle_;                      ///< s, the model's or as measured
+  std::int64_t measured_time_ = 0;    ///< ns between packets that followed each other ...
   std::int64_t measured_cycles_ = 0;  ///< ... and the cycles in them
   std::optional<OrderedPacket> last_;
   int last_cycles_ = 0;   ///< of the last packet

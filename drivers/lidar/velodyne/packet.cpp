@@ -48,29 +48,51 @@ Place find_place(Layout layout, int block, int banks, int per_block) {
 }
 
 /// VLS-128, dual: one firing fills eight blocks, the rest of the packet is filler with flag 0.
-int used_blocks(Layout layout, int banks) { return layout == Layout::pairs && banks == 4 ? 8 : P::blocks; }
+int used_blocks(Layout layout, int banks) {
+  return layout == Layout::pairs && banks == 4 ? 8 : P::blocks;
+}
 
-/// Mean step of the azimuth per firing: the median where some step is far off (a field of view begins, a
-/// block is damaged), for the mean is finer than the 0.01 degree of the wire.
-double find_azimuth_step(const VelodyneFirings& firings, int per_block) {
-  std::array<int, 12> steps{};
+int signed_step(int from, int to) {
+  const int step = (to - from + P::azimuth_turn) % P::azimuth_turn;
+  return step > P::azimuth_turn / 2 ? step - P::azimuth_turn : step;
+}
+
+/// The median step from block to block: the head turns evenly, the encoder's readings jitter, and a step may
+/// be far off (a field of view begins, a block is damaged).
+void steps_by_time(VelodyneFirings& firings, int per_block) {
+  std::array<int, P::blocks> steps{};
   int n = 0;
   for (int i = per_block; i < firings.count; i += per_block) {
-    int step = (firings.firing[i].azimuth - firings.firing[i - per_block].azimuth) % P::azimuth_turn;
-    if (step > P::azimuth_turn / 2) step -= P::azimuth_turn;
-    if (step < -P::azimuth_turn / 2) step += P::azimuth_turn;
-    steps[static_cast<std::size_t>(n++)] = step;
+    steps[static_cast<std::size_t>(n++)] =
+        signed_step(firings.firing[static_cast<std::size_t>(i - per_block)].azimuth,
+                    firings.firing[static_cast<std::size_t>(i)].azimuth);
   }
-  if (n == 0) return 0;
+  if (n == 0) return;
   std::sort(steps.begin(), steps.begin() + n);
-  constexpr int jitter = 8;
-  double step = steps[static_cast<std::size_t>(n / 2)];
-  if (steps[static_cast<std::size_t>(n - 1)] - steps[0] <= jitter) {
-    step = 0;
-    for (int i = 0; i < n; ++i) step += steps[static_cast<std::size_t>(i)];
-    step /= n;
+  const int median = steps[static_cast<std::size_t>(n / 2)];
+  for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(median);
+}
+
+void steps_by_block(VelodyneFirings& firings, Layout layout, const std::uint8_t* packet) {
+  const int ahead = layout == Layout::pairs ? 2 : layout == Layout::triples ? 3 : 1;
+  const auto step_of = [&](int block) {
+    if (block + ahead < P::blocks) {
+      return signed_step(P::azimuth(P::block(packet, block)), P::azimuth(P::block(packet, block + ahead)));
+    }
+    return ahead > 1
+               ? 0
+               : signed_step(P::azimuth(P::block(packet, block - 1)), P::azimuth(P::block(packet, block)));
+  };
+  // The last block takes its predecessor's step, which it lies at the end of.
+  for (int i = 0; i < firings.count; ++i) {
+    VelodyneFiring& firing = firings.firing[static_cast<std::size_t>(i)];
+    for (std::size_t bank = 0; bank < 4; ++bank) {
+      const std::uint8_t* block = firing.blocks[0][bank] ? firing.blocks[0][bank] : firing.blocks[1][bank];
+      if (!block) continue;
+      firing.step[bank] =
+          step_of(static_cast<int>((block - packet) / static_cast<std::ptrdiff_t>(P::block_bytes)));
+    }
   }
-  return step / per_block;
 }
 
 }  // namespace
@@ -105,12 +127,13 @@ std::optional<VelodyneLayout> find_velodyne_layout(const VelodyneModel& model, c
 
 int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
-  const int last = find_place(layout, used_blocks(layout, banks) - 1, banks, model.firings_per_block()).firing;
+  const int last =
+      find_place(layout, used_blocks(layout, banks) - 1, banks, model.firings_per_block()).firing;
   return last + model.firings_per_block();
 }
 
 VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout,
-                                      const std::uint8_t* packet) {
+                                      VelodyneAzimuth azimuth_mode, const std::uint8_t* packet) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
   const int per_block = model.firings_per_block();
   VelodyneFirings out;
@@ -134,7 +157,8 @@ VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout
         firing.half = half;
         firing.cycle = place.firing + half;
       }
-      if (place.ret >= 0) firing.blocks[static_cast<std::size_t>(place.ret)][static_cast<std::size_t>(bank)] = block;
+      if (place.ret >= 0)
+        firing.blocks[static_cast<std::size_t>(place.ret)][static_cast<std::size_t>(bank)] = block;
     }
     last = std::max(last, place.firing + per_block - 1);
   }
@@ -144,7 +168,12 @@ VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout
       out.firing[static_cast<std::size_t>(out.count++)] = out.firing[static_cast<std::size_t>(i)];
     }
   }
-  out.azimuth_step = find_azimuth_step(out, per_block);
+  if (layout == Layout::apart) return out;  // when the lasers of an S1 fire is not published
+  if (azimuth_mode == VelodyneAzimuth::times) {
+    steps_by_time(out, per_block);
+  } else {
+    steps_by_block(out, layout, packet);
+  }
   return out;
 }
 
@@ -152,7 +181,8 @@ bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet
   if (model.product_ids.empty()) return false;
   const std::uint8_t id = P::product_id(packet);
   // 0: firmware from before the byte existed.
-  if (id != 0 && std::find(model.product_ids.begin(), model.product_ids.end(), id) == model.product_ids.end()) {
+  if (id != 0 &&
+      std::find(model.product_ids.begin(), model.product_ids.end(), id) == model.product_ids.end()) {
     return true;
   }
   if (model.lasers > 32) return false;

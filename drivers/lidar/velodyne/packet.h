@@ -45,9 +45,11 @@ int velodyne_bank(std::uint16_t flag);
 
 /// One firing of all lasers (of a quarter of them with an HDL-64E S1, whose banks fire apart).
 struct VelodyneFiring {
-  int azimuth = 0;                     ///< 0.01 degree, at the start of the firing
-  int cycle = 0;                       ///< firing cycles after the packet's first
-  int half = 0;                        ///< VLP-16: 0 or 1, which half of the channels
+  int azimuth = 0;  ///< 0.01 degree, at the start of the firing
+  int cycle = 0;    ///< firing cycles after the packet's first
+  int half = 0;     ///< VLP-16: 0 or 1, which half of the channels
+  /// 0.01 degree that the head turns from this block to the next in time, by bank; 0: not to be told.
+  std::array<double, 4> step{};
   /// Blocks by return (0: the one given out first) and bank; nullptr: not in the packet.
   std::array<std::array<const std::uint8_t*, 4>, 2> blocks{};
 };
@@ -56,7 +58,6 @@ struct VelodyneFiring {
 struct VelodyneFirings {
   std::array<VelodyneFiring, 24> firing;
   int count = 0;
-  double azimuth_step = 0;  ///< 0.01 degree per firing cycle; 0: not to be told from one packet
   int bad_blocks = 0;
 };
 
@@ -75,9 +76,19 @@ std::optional<VelodyneLayout> find_velodyne_layout(const VelodyneModel& model, c
 /// Firing cycles a whole packet of this layout spans.
 int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout);
 
+/// How far a laser's azimuth is from its block's.
+enum class VelodyneAzimuth {
+  /// By its firing time and the head's rate over the packet: where the beam was, and what VeloView gives.
+  times,
+  /// By the step to the next block on the wire, as the ROS drivers (and so the reference clouds made with
+  /// them) do it: blocks whose successor has the same azimuth, which are three of four of a VLS-128's, and
+  /// the last pair of a dual return packet are left where they are. Up to 0.17 degree from `times`.
+  blocks,
+};
+
 /// Sorts blocks into firings. Blocks with an unknown flag or an impossible azimuth are counted and left out.
 VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout,
-                                      const std::uint8_t* packet);
+                                      VelodyneAzimuth azimuth, const std::uint8_t* packet);
 
 /// True where the packet cannot be of this model: product id or laser banks of another one.
 bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet);

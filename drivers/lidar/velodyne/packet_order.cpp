@@ -74,7 +74,8 @@ void VelodynePacketOrder::push(const std::uint8_t* packet, std::int64_t host_tim
     pass_waiting(false, counters, sink);
     return;
   }
-  const auto at = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.since >= since; });
+  const auto at =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.since >= since; });
   if (at != waiting_.end() && at->since == since) {
     ++counters.duplicates;
     return;
@@ -110,8 +111,8 @@ void VelodynePacketOrder::pass(const std::uint8_t* packet, std::int64_t host_tim
   sink({packet, device_time_, host_time, gap, false});
 }
 
-void VelodynePacketOrder::restart(const std::uint8_t* packet, std::int64_t host_time, double period, bool jumped,
-                                  const Sink& sink) {
+void VelodynePacketOrder::restart(const std::uint8_t* packet, std::int64_t host_time, double period,
+                                  bool jumped, const Sink& sink) {
   started_ = true;
   late_run_ = 0;
   last_stamp_ = VelodynePacket::timestamp(packet);

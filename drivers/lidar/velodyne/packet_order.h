@@ -34,8 +34,8 @@ class VelodynePacketOrder {
   void flush(LidarCounters& counters, const Sink& sink);
 
   /// For packets without time stamps (HDL-64E S1): in the order of arrival, less immediate copies.
-  void push_untimed(const std::uint8_t* packet, std::int64_t host_time, double period, LidarCounters& counters,
-                    const Sink& sink);
+  void push_untimed(const std::uint8_t* packet, std::int64_t host_time, double period,
+                    LidarCounters& counters, const Sink& sink);
 
  private:
   struct Waiting {
@@ -47,7 +47,8 @@ class VelodynePacketOrder {
 
   void pass(const std::uint8_t* packet, std::int64_t host_time, std::int64_t since, double period,
             LidarCounters& counters, const Sink& sink);
-  void restart(const std::uint8_t* packet, std::int64_t host_time, double period, bool jumped, const Sink& sink);
+  void restart(const std::uint8_t* packet, std::int64_t host_time, double period, bool jumped,
+               const Sink& sink);
   void pass_waiting(bool all, LidarCounters& counters, const Sink& sink);
   bool seen(std::uint32_t stamp) const;
   void remember(std::uint32_t stamp);
@@ -58,7 +59,7 @@ class VelodynePacketOrder {
   std::int64_t device_time_ = 0;  ///< ns, of the last packet passed on
   double last_period_ = 0;        ///< s that it covers
   int late_run_ = 0;
-  std::vector<Waiting> waiting_;  ///< by time
+  std::vector<Waiting> waiting_;            ///< by time
   std::array<std::uint32_t, 32> stamps_{};  ///< of the last packets, to tell copies from late ones
   std::size_t stamp_count_ = 0;
   std::array<std::uint8_t, VelodynePacket::bytes> untimed_{};

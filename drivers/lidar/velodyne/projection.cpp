@@ -22,19 +22,13 @@ const std::vector<std::pair<double, double>>& head_table() {
   return table;
 }
 
-/// Sine and cosine of the few mrad the head turns within a cycle; exact to double below 0.03 rad.
-std::pair<double, double> small_turn(double x) {
-  if (std::abs(x) > 0.03) return {std::sin(x), std::cos(x)};
-  const double x2 = x * x;
-  return {x * (1 - x2 / 6 * (1 - x2 / 20 * (1 - x2 / 42))), 1 - x2 / 2 * (1 - x2 / 12 * (1 - x2 / 30))};
-}
-
 /// Distances at which the near-point corrections were measured (HDL-64E manual), m.
 constexpr double far_point = 25.04, near_point_x = 2.40, near_point_y = 1.93;
 
 }  // namespace
 
-void VelodyneReturns::append_to(Scan& scan, std::uint32_t column) const {
+void VelodyneReturns::append_to(LidarScan& out, std::uint32_t column, bool with_exact) const {
+  Scan& scan = out.scan;
   const auto n = static_cast<std::ptrdiff_t>(size);
   scan.points.insert(scan.points.end(), points.begin(), points.begin() + n);
   scan.intensity.insert(scan.intensity.end(), intensity.begin(), intensity.begin() + n);
@@ -42,11 +36,12 @@ void VelodyneReturns::append_to(Scan& scan, std::uint32_t column) const {
   scan.ring.insert(scan.ring.end(), ring.begin(), ring.begin() + n);
   scan.time.insert(scan.time.end(), time.begin(), time.begin() + n);
   scan.column.insert(scan.column.end(), size, column);
+  if (with_exact) out.exact.insert(out.exact.end(), exact.begin(), exact.begin() + n);
 }
 
 VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const VelodyneCalibration& calibration,
                                        bool two_point)
-    : lsb_(calibration.distance_lsb > 0 ? calibration.distance_lsb : model.distance_lsb) {
+    : lsb_(model.distance_lsb), per_block_(model.firings_per_block()) {
   const std::vector<int> rings = velodyne_rings(calibration);
   for (std::size_t id = 0; id < calibration.lasers.size(); ++id) {
     const VelodyneLaser& in = calibration.lasers[id];
@@ -71,29 +66,38 @@ VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const Velodyn
     corrected_intensity_ =
         corrected_intensity_ || in.focal_slope != 0 || in.min_intensity != 0 || in.max_intensity != 255;
   }
-  turns_[0].resize(lasers_.size());
-  turns_[1].resize(lasers_.size());
   firing_time_.resize(lasers_.size());
-  cycle_ = -1;  // nothing prepared yet
+  set_cycle(model.cycle);
 }
 
-void VelodyneProjection::set_motion(double step, double cycle) {
-  if (step == step_ && cycle == cycle_) return;
-  step_ = step;
+void VelodyneProjection::set_cycle(double cycle) {
+  if (cycle == cycle_) return;
   cycle_ = cycle;
   for (std::size_t id = 0; id < lasers_.size(); ++id) {
-    const Laser& laser = lasers_[id];
-    firing_time_[id] = std::llround(laser.firing * cycle * 1e9);
-    for (int half = 0; half < 2; ++half) {
-      const auto [s, c] = small_turn(step * (half + laser.firing) * centidegree);
-      turns_[half][id] = {laser.sin_rotation * c + laser.cos_rotation * s,
-                          laser.cos_rotation * c - laser.sin_rotation * s};
-    }
+    firing_time_[id] = std::llround(lasers_[id].firing * cycle * 1e9);
   }
 }
 
-inline void VelodyneProjection::project_one(const Laser& laser, const Turn& turn, const Turn& head, int counts,
-                                            int intensity, std::int64_t time, VelodyneReturns& out) const {
+const VelodyneProjection::Turn* VelodyneProjection::turns(double step, int half) {
+  Motion& motion = motions_[static_cast<std::uint64_t>(std::llround(step)) % motions_.size()];
+  if (motion.step != step || motion.turns.empty()) {
+    motion.step = step;
+    motion.turns.clear();
+    for (int h = 0; h < per_block_; ++h) {
+      for (const Laser& laser : lasers_) {
+        const double turned = step * centidegree * (h + laser.firing) / per_block_;
+        const double s = std::sin(turned), c = std::cos(turned);
+        motion.turns.push_back({laser.sin_rotation * c + laser.cos_rotation * s,
+                                laser.cos_rotation * c - laser.sin_rotation * s});
+      }
+    }
+  }
+  return motion.turns.data() + static_cast<std::size_t>(half) * lasers_.size();
+}
+
+inline void VelodyneProjection::project_one(const Laser& laser, const Turn& turn, const Turn& head,
+                                            int counts, int intensity, std::int64_t time,
+                                            VelodyneReturns& out) const {
   const double measured = counts * lsb_;
   const double sine = head.sine * turn.cosine + head.cosine * turn.sine;
   const double cosine = head.cosine * turn.cosine - head.sine * turn.sine;
@@ -108,9 +112,10 @@ inline void VelodyneProjection::project_one(const Laser& laser, const Turn& turn
     flat_y = (measured + laser.near_y + dy) * laser.cos_vertical;
   }
   const std::size_t n = out.size;
-  out.points[n] = Eigen::Vector3f(static_cast<float>(flat_x * sine - h * cosine),
-                                  static_cast<float>(flat_y * cosine + h * sine),
-                                  static_cast<float>(range * laser.sin_vertical + laser.vertical_offset));
+  const Eigen::Vector3d point(flat_x * sine - h * cosine, flat_y * cosine + h * sine,
+                              range * laser.sin_vertical + laser.vertical_offset);
+  out.exact[n] = {point, range};
+  out.points[n] = point.cast<float>();
   out.range[n] = static_cast<float>(range);
   out.ring[n] = laser.ring;
   out.time[n] = time;
@@ -125,7 +130,7 @@ inline void VelodyneProjection::project_one(const Laser& laser, const Turn& turn
 }
 
 void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time, bool second_returns,
-                                 VelodyneReturns& out) const {
+                                 VelodyneReturns& out) {
   using P = VelodynePacket;
   const auto& [head_sine, head_cosine] = head_table()[static_cast<std::size_t>(firing.azimuth)];
   const Turn head{head_sine, head_cosine};
@@ -133,24 +138,24 @@ void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time
   const int lasers = static_cast<int>(lasers_.size());
   const int channels = std::min(lasers, P::channels);
   const int banks = (lasers + P::channels - 1) / P::channels;
-  const std::vector<Turn>& turns = turns_[firing.half];
   out.size = 0;
   for (int bank = 0; bank < banks; ++bank) {
     const std::uint8_t* first = firing.blocks[0][static_cast<std::size_t>(bank)];
     const std::uint8_t* second = firing.blocks[1][static_cast<std::size_t>(bank)];
     if (!first) std::swap(first, second);
     if (!first) continue;
+    const Turn* turn = turns(firing.step[static_cast<std::size_t>(bank)], firing.half);
     for (int channel = 0; channel < channels; ++channel) {
       const auto id = static_cast<std::size_t>(bank * P::channels + channel);
       const int at = firing.half * lasers * (lasers < P::channels) + channel;
       const std::int64_t when = start + firing_time_[id];
       const int counts = P::distance(first, at);
-      project_one(lasers_[id], turns[id], head, counts, P::intensity(first, at), when, out);
+      project_one(lasers_[id], turn[id], head, counts, P::intensity(first, at), when, out);
       if (!second) continue;
       // Equal blocks mean that there was one return only.
       const int other = P::distance(second, at);
       if (other != counts && (second_returns || counts == 0)) {
-        project_one(lasers_[id], turns[id], head, other, P::intensity(second, at), when, out);
+        project_one(lasers_[id], turn[id], head, other, P::intensity(second, at), when, out);
       }
     }
   }

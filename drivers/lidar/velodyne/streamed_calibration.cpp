@@ -38,10 +38,14 @@ struct Step {
   double unit;
 };
 constexpr Step steps[] = {
-    {&VelodyneLaser::vertical, centidegree},        {&VelodyneLaser::rotation, centidegree},
-    {&VelodyneLaser::distance, millimetre},         {&VelodyneLaser::distance_x, millimetre},
-    {&VelodyneLaser::distance_y, millimetre},       {&VelodyneLaser::vertical_offset, millimetre},
-    {&VelodyneLaser::horizontal_offset, millimetre}, {&VelodyneLaser::focal_distance, millimetre},
+    {&VelodyneLaser::vertical, centidegree},
+    {&VelodyneLaser::rotation, centidegree},
+    {&VelodyneLaser::distance, millimetre},
+    {&VelodyneLaser::distance_x, millimetre},
+    {&VelodyneLaser::distance_y, millimetre},
+    {&VelodyneLaser::vertical_offset, millimetre},
+    {&VelodyneLaser::horizontal_offset, millimetre},
+    {&VelodyneLaser::focal_distance, millimetre},
     {&VelodyneLaser::focal_slope, 0.1},
 };
 
@@ -49,7 +53,8 @@ constexpr Step steps[] = {
 
 std::optional<VelodyneCalibration> StreamedCalibration::push(std::uint8_t type, std::uint8_t value) {
   // Every other type carries the date, GPS status, temperature or firmware version.
-  if (std::string_view("HMSDNYGTV").find(static_cast<char>(type)) != std::string_view::npos) return std::nullopt;
+  if (std::string_view("HMSDNYGTV").find(static_cast<char>(type)) != std::string_view::npos)
+    return std::nullopt;
   bytes_.push_back(value);
   const auto fits = [&] {
     const std::size_t n = std::min(bytes_.size(), mark.size());

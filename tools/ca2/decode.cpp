@@ -1,0 +1,206 @@
+/// `ca2 decode FILE.pcap --output DIR`: a recording's packets as points.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "drivers/lidar/lidar_driver.h"
+#include "drivers/net/pcap_reader.h"
+#include "tools/ca2/command.h"
+
+namespace ca2 {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DecodeOptions {
+  fs::path file, metadata, calibration, output;
+  std::string model, source, format = "csv", azimuth = "auto";
+  int port = 0;
+  bool single = false, json = false;
+};
+
+/// Writes scans as they come: one CSV for all, or a PCD each.
+class ScanWriter {
+ public:
+  static Result<ScanWriter> create(const fs::path& directory, bool csv) {
+    std::error_code error;
+    fs::create_directories(directory, error);
+    if (error) return fail(ErrorCode::cannot_create, directory.string(), error.message());
+    ScanWriter writer(directory);
+    if (csv) {
+      const fs::path file = directory / "scans.csv";
+      writer.csv_.reset(std::fopen(file.c_str(), "w"));
+      if (!writer.csv_) return fail(ErrorCode::cannot_create, file.string(), "cannot be created");
+      std::fputs("scan,ring,column,timestamp_ns,range_m,x,y,z,intensity\n", writer.csv_.get());
+    }
+    return writer;
+  }
+
+  Result<void> write(const LidarScan& scan) {
+    points_ += scan.scan.size();
+    const std::size_t number = scans_++;
+    if (csv_) {
+      write_rows(scan, number);
+      return {};
+    }
+    char name[32];
+    std::snprintf(name, sizeof name, "%06zu.pcd", number);
+    return write_pcd(directory_ / name, scan.scan);
+  }
+
+  Result<void> finish() {
+    if (!csv_) return {};
+    const bool good = std::ferror(csv_.get()) == 0 && std::fclose(csv_.release()) == 0;
+    if (!good)
+      return fail(ErrorCode::io, (directory_ / "scans.csv").string(), "writing failed", "is the disk full?");
+    return {};
+  }
+
+  std::size_t scans() const { return scans_; }
+  std::size_t points() const { return points_; }
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+
+  explicit ScanWriter(fs::path directory) : directory_(std::move(directory)) {}
+
+  void write_rows(const LidarScan& scan, std::size_t number) {
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      const ExactReturn& exact = scan.exact[i];
+      std::fprintf(csv_.get(), "%zu,%u,%u,%lld,%.10g,%.10g,%.10g,%.10g,%.9g\n", number, scan.scan.ring[i],
+                   scan.scan.column[i], static_cast<long long>(scan.scan.time[i]), exact.range,
+                   exact.point.x(), exact.point.y(), exact.point.z(), scan.scan.intensity[i]);
+    }
+  }
+
+  fs::path directory_;
+  std::unique_ptr<std::FILE, Close> csv_;
+  std::size_t scans_ = 0, points_ = 0;
+};
+
+/// Reads the whole file through the driver.
+Result<void> read_through(const DecodeOptions& options, LidarDriver& driver, const LidarSink& sink) {
+  PcapOptions pcap;
+  if (options.port != 0) pcap.ports.push_back(static_cast<std::uint16_t>(options.port));
+  auto reader = PcapReader::open(options.file, pcap);
+  if (!reader) return fail(reader.error());
+  const bool progress = isatty(STDERR_FILENO) != 0;
+  while (true) {
+    const Result<PacketBatch> batch = (*reader)->next_batch();
+    if (!batch) return fail(batch.error());
+    if (batch->event == PacketEvent::end) break;
+    for (const Datagram& datagram : batch->datagrams) driver.push(datagram, sink);
+    if (progress) {
+      std::fprintf(stderr, "\r%llu datagrams, %llu scans",
+                   static_cast<unsigned long long>(driver.counters().datagrams),
+                   static_cast<unsigned long long>(driver.counters().frames));
+    }
+  }
+  driver.flush(sink);
+  if (progress) std::fputs("\r\033[K", stderr);
+  return {};
+}
+
+Result<LidarDriver> open_driver(const DecodeOptions& options) {
+  LidarModelSpec spec;
+  spec.model = options.model;
+  spec.metadata = options.metadata;
+  spec.calibration = options.calibration;
+  LidarDriverOptions driver;
+  driver.source_address = options.source;
+  driver.second_returns = !options.single;
+  driver.exact = true;
+  driver.streamed_calibration = true;
+  driver.azimuth = options.azimuth == "blocks" ? VelodyneAzimuth::blocks : VelodyneAzimuth::times;
+  Result<LidarDriver> opened = LidarDriver::open(spec, driver);
+  if (!opened || options.azimuth != "auto" || opened->model() != "VLS-128") return opened;
+  driver.azimuth = VelodyneAzimuth::blocks;
+  return LidarDriver::open(spec, driver);
+}
+
+/// An HDL-64E without a calibration file sends it: the recording is read once for it alone.
+Result<void> find_calibration(const DecodeOptions& options, LidarDriver& driver) {
+  if (driver.ready()) return {};
+  if (const Result<void> read = read_through(options, driver, [](LidarScan&&) {}); !read) return read;
+  driver.reset_counters();
+  if (driver.ready()) return {};
+  return fail(
+      ErrorCode::config, options.file.string(),
+      "the angles of a " + driver.model() + " are per unit, and this recording does not carry them whole",
+      "give --calibration with the sensor's db.xml, or the YAML made from it");
+}
+
+void print_summary(const DecodeOptions& options, const LidarDriver& driver, const ScanWriter& writer) {
+  if (options.json) {
+    nlohmann::ordered_json json{
+        {"model", driver.model()}, {"scans", writer.scans()}, {"points", writer.points()}};
+    for (const LidarCounterInfo& info : lidar_counter_table()) {
+      json["counters"][std::string(info.name)] = driver.counters().*info.value;
+    }
+    std::puts(json.dump(2).c_str());
+    return;
+  }
+  std::printf("%s: %zu scans, %zu points\n", driver.model().c_str(), writer.scans(), writer.points());
+  for (const LidarCounterInfo& info : lidar_counter_table()) {
+    const auto count = static_cast<unsigned long long>(driver.counters().*info.value);
+    if (count > 0) std::printf("%12llu  %s\n", count, std::string(info.help).c_str());
+  }
+}
+
+Result<int> run(const DecodeOptions& options) {
+  if (options.metadata.empty() == options.model.empty()) {
+    return fail(ErrorCode::usage, "", "decode needs to know the sensor",
+                "give --metadata (Ouster) or --model (Velodyne)");
+  }
+  Result<LidarDriver> driver = open_driver(options);
+  if (!driver) return fail(driver.error());
+  if (const Result<void> found = find_calibration(options, *driver); !found) return fail(found.error());
+  Result<ScanWriter> writer = ScanWriter::create(options.output, options.format == "csv");
+  if (!writer) return fail(writer.error());
+  Result<void> written;
+  const auto sink = [&](LidarScan&& scan) {
+    if (written) written = writer->write(scan);
+  };
+  if (const Result<void> read = read_through(options, *driver, sink); !read) return fail(read.error());
+  if (!written) return fail(written.error());
+  if (const Result<void> finished = writer->finish(); !finished) return fail(finished.error());
+  print_summary(options, *driver, *writer);
+  if (writer->scans() == 0) {
+    return fail(ErrorCode::data, options.file.string(), "no scan of a " + driver->model() + " is in it",
+                "the counters say what became of its datagrams");
+  }
+  return 0;
+}
+
+}  // namespace
+
+CommandBody setup_decode(CLI::App& app) {
+  auto options = std::make_shared<DecodeOptions>();
+  app.add_option("file", options->file, "Capture file (pcap or pcapng)")->required();
+  app.add_option("--metadata", options->metadata, "Ouster: the sensor's metadata JSON");
+  app.add_option("--model", options->model,
+                 "Velodyne: VLP-16, Puck-Hi-Res, VLP-32C, HDL-32E, HDL-64E, VLS-128");
+  app.add_option("--calibration", options->calibration,
+                 "Velodyne: db.xml or YAML; an HDL-64E needs it or streams it");
+  app.add_option("--output", options->output, "Directory for scans.csv or 000000.pcd, ...")->required();
+  app.add_option("--format", options->format, "csv or pcd")->check(CLI::IsMember({"csv", "pcd"}));
+  app.add_option("--source", options->source, "Only packets from this address");
+  app.add_option("--port", options->port, "Only packets to this UDP port")->check(CLI::Range(1, 65535));
+  app.add_flag("--single", options->single, "Leave second returns out");
+  app.add_option(
+         "--azimuth", options->azimuth,
+         "Velodyne, between encoder readings: `times` where the beam was at its firing time, `blocks` as\n"
+         "the ROS drivers compute it (up to 0.17 degree off); auto: blocks for a VLS-128, whose published\n"
+         "clouds are made so, times otherwise. Calibration always uses `times`.")
+      ->check(CLI::IsMember({"auto", "times", "blocks"}));
+  app.add_flag("--json", options->json, "Print the summary as JSON");
+  return [options] { return run(*options); };
+}
+
+}  // namespace ca2
