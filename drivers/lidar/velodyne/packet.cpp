@@ -1,6 +1,7 @@
 #include "drivers/lidar/velodyne/packet.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace ca2 {
 namespace {
@@ -57,8 +58,8 @@ int signed_step(int from, int to) {
   return step > P::azimuth_turn / 2 ? step - P::azimuth_turn : step;
 }
 
-/// The median step from block to block: the head turns evenly, the encoder's readings jitter, and a step may
-/// be far off (a field of view begins, a block is damaged).
+/// The mean step from block to block, which is finer than the 0.01 degree of the wire; the median where some
+/// step is far off (a field of view begins, a block is damaged).
 void steps_by_time(VelodyneFirings& firings, int per_block) {
   std::array<int, P::blocks> steps{};
   int n = 0;
@@ -69,8 +70,12 @@ void steps_by_time(VelodyneFirings& firings, int per_block) {
   }
   if (n == 0) return;
   std::sort(steps.begin(), steps.begin() + n);
-  const int median = steps[static_cast<std::size_t>(n / 2)];
-  for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(median);
+  double step = steps[static_cast<std::size_t>(n / 2)];
+  constexpr int jitter = 8;
+  if (steps[static_cast<std::size_t>(n - 1)] - steps[0] <= jitter) {
+    step = std::accumulate(steps.begin(), steps.begin() + n, 0.0) / n;
+  }
+  for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(step);
 }
 
 void steps_by_block(VelodyneFirings& firings, Layout layout, const std::uint8_t* packet) {

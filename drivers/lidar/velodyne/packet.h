@@ -78,7 +78,7 @@ int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout);
 
 /// How far a laser's azimuth is from its block's.
 enum class VelodyneAzimuth {
-  /// By its firing time and the head's rate over the packet: where the beam was, and what VeloView gives.
+  /// By its firing time and the head's rate over the packet: where the beam was; VeloView's, unrounded.
   times,
   /// By the step to the next block on the wire, as the ROS drivers (and so the reference clouds made with
   /// them) do it: blocks whose successor has the same azimuth, which are three of four of a VLS-128's, and

@@ -79,7 +79,8 @@ void VelodyneProjection::set_cycle(double cycle) {
 }
 
 const VelodyneProjection::Turn* VelodyneProjection::turns(double step, int half) {
-  Motion& motion = motions_[static_cast<std::uint64_t>(std::llround(step)) % motions_.size()];
+  // Means over 11 steps: neighbouring values fall into neighbouring places.
+  Motion& motion = motions_[static_cast<std::uint64_t>(std::llround(step * 11)) % motions_.size()];
   if (motion.step != step || motion.turns.empty()) {
     motion.step = step;
     motion.turns.clear();
