@@ -12,7 +12,7 @@ namespace {
 
 // A patch reaches this part of the way to the next corner: half-way would be all the information there is.
 constexpr double reach_share = 0.46;
-constexpr double most_reach = 40;       // px, bounds the time on large squares
+constexpr double most_reach = 24;       // px, bounds the time on large squares
 constexpr double model_floor = 0.002;   // px, what lens, print and paper do that the model does not know
 constexpr double quantisation = 0.083;  // grey^2, of 8 bits: 1/12
 
@@ -161,6 +161,7 @@ class Refiner {
       start.curvature[i] = lattice.curvature[i];
       sigma = std::max(sigma, std::exp(start.log_sigma[i]));
     }
+    start.points_per_pixel = sigma > 1.2 ? 1 : 4;
     const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
     return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start);
   }

@@ -23,36 +23,22 @@ class Evaluator {
       n_[i] = {-t_[i].y(), t_[i].x()};
       inverse_sigma_[i] = std::exp(-m_.log_sigma[i]);
     }
+    flat_ = m_.points_per_pixel == 1;
   }
 
   double grey(double x, double y, Row* by) const {
     double product = 0;
     Eigen::Matrix<double, 6, 1> by_shape = Eigen::Matrix<double, 6, 1>::Zero();  // x y angles log_sigmas
-    // Two Gauss points each way integrate over the pixel's area (exact for cubics): without it a sharp
-    // picture pulls the corner towards pixel centres.
-    constexpr double half = 0.28867513459481287;
-    for (const double sy : {-half, half}) {
-      for (const double sx : {-half, half}) {
-        const Eigen::Vector2d d(x + sx - m_.position.x(), y + sy - m_.position.y());
-        double along[2], across[2], z[2];
-        EdgeProfile::Value e[2];
-        for (int i = 0; i < 2; ++i) {
-          along[i] = t_[i].dot(d);
-          across[i] = n_[i].dot(d);
-          z[i] = (across[i] + m_.curvature[i] * along[i] * along[i]) * inverse_sigma_[i];
-          e[i] = EdgeProfile::at(z[i]);
-        }
-        product += 0.25 * e[0].value * e[1].value;
-        if (by == nullptr) continue;
-        for (int i = 0; i < 2; ++i) {
-          const double slope = 0.25 * e[i].slope * e[1 - i].value;
-          if (slope == 0) continue;
-          const double bend = 2 * m_.curvature[i] * along[i];
-          const double scaled = slope * inverse_sigma_[i];
-          by_shape[0] -= scaled * (n_[i].x() + bend * t_[i].x());
-          by_shape[1] -= scaled * (n_[i].y() + bend * t_[i].y());
-          by_shape[2 + i] += scaled * (bend * across[i] - along[i]);
-          by_shape[4 + i] -= slope * z[i];
+    if (flat_) {
+      // Under a wide blur the pixel's area only adds to the blur.
+      add_point(x, y, 1, product, by != nullptr ? &by_shape : nullptr);
+    } else {
+      // Two Gauss points each way integrate over the pixel's area (exact for cubics): without it a sharp
+      // picture pulls the corner towards pixel centres.
+      constexpr double half = 0.28867513459481287;
+      for (const double sy : {-half, half}) {
+        for (const double sx : {-half, half}) {
+          add_point(x + sx, y + sy, 0.25, product, by != nullptr ? &by_shape : nullptr);
         }
       }
     }
@@ -70,10 +56,38 @@ class Evaluator {
   }
 
  private:
+  /// Adds E(z0) E(z1) at a place, and its derivatives, with a weight.
+  void add_point(double x, double y, double weight, double& product,
+                 Eigen::Matrix<double, 6, 1>* by_shape) const {
+    const double dx = x - m_.position.x();
+    const double dy = y - m_.position.y();
+    double along[2], across[2], z[2];
+    EdgeProfile::Value e[2];
+    for (int i = 0; i < 2; ++i) {
+      along[i] = t_[i].x() * dx + t_[i].y() * dy;
+      across[i] = n_[i].x() * dx + n_[i].y() * dy;
+      z[i] = (across[i] + m_.curvature[i] * along[i] * along[i]) * inverse_sigma_[i];
+      e[i] = EdgeProfile::at(z[i]);
+    }
+    product += weight * e[0].value * e[1].value;
+    if (by_shape == nullptr) return;
+    for (int i = 0; i < 2; ++i) {
+      const double slope = weight * e[i].slope * e[1 - i].value;
+      if (slope == 0) continue;
+      const double bend = 2 * m_.curvature[i] * along[i];
+      const double scaled = slope * inverse_sigma_[i];
+      (*by_shape)[0] -= scaled * (n_[i].x() + bend * t_[i].x());
+      (*by_shape)[1] -= scaled * (n_[i].y() + bend * t_[i].y());
+      (*by_shape)[2 + i] += scaled * (bend * across[i] - along[i]);
+      (*by_shape)[4 + i] -= slope * z[i];
+    }
+  }
+
   const SaddleModel& m_;
   Eigen::Vector2d t_[2];
   Eigen::Vector2d n_[2];
   double inverse_sigma_[2];
+  bool flat_;
 };
 
 class SaddleProblem : public DenseNormalEquations {
@@ -82,34 +96,30 @@ class SaddleProblem : public DenseNormalEquations {
 
   explicit SaddleProblem(std::span<const PatchPixel> pixels) : pixels_(pixels) {}
 
+  /// An accepted step was judged by `cost` just before: its normal equations are there already.
   double linearize(const SaddleModel& model) {
+    if (!judged_ || !(*judged_ == model)) cost(model);
+    H = h_.selfadjointView<Eigen::Lower>();
+    g = gradient_;
+    return total_;
+  }
+
+  double cost(const SaddleModel& model) {
+    judged_ = model;
+    total_ = std::numeric_limits<double>::infinity();
+    if (std::abs(model.log_sigma[0]) > 4 || std::abs(model.log_sigma[1]) > 4) return total_;
     const Evaluator evaluator(model);
-    Eigen::Matrix<double, size, size> h = Eigen::Matrix<double, size, size>::Zero();
-    Row gradient = Row::Zero();
-    double total = 0;
+    h_.setZero();
+    gradient_.setZero();
+    total_ = 0;
     Row row;
     for (const PatchPixel& pixel : pixels_) {
       const double r = evaluator.grey(pixel.x, pixel.y, &row) - pixel.grey;
-      h.selfadjointView<Eigen::Lower>().rankUpdate(row);
-      gradient += r * row;
-      total += 0.5 * r * r;
+      for (int i = 0; i < size; ++i) h_.col(i).tail(size - i) += row[i] * row.tail(size - i);
+      gradient_ += r * row;
+      total_ += 0.5 * r * r;
     }
-    H = h.selfadjointView<Eigen::Lower>();
-    g = gradient;
-    return total;
-  }
-
-  double cost(const SaddleModel& model) const {
-    if (std::abs(model.log_sigma[0]) > 4 || std::abs(model.log_sigma[1]) > 4) {
-      return std::numeric_limits<double>::infinity();
-    }
-    const Evaluator evaluator(model);
-    double total = 0;
-    for (const PatchPixel& pixel : pixels_) {
-      const double r = evaluator.grey(pixel.x, pixel.y, nullptr) - pixel.grey;
-      total += 0.5 * r * r;
-    }
-    return total;
+    return total_;
   }
 
   static SaddleModel moved(const SaddleModel& model, const Eigen::VectorXd& step) {
@@ -127,6 +137,10 @@ class SaddleProblem : public DenseNormalEquations {
 
  private:
   std::span<const PatchPixel> pixels_;
+  std::optional<SaddleModel> judged_;
+  Eigen::Matrix<double, size, size> h_;  ///< lower half, at judged_
+  Row gradient_;
+  double total_ = 0;
 };
 
 /// Offset and gain that suit the pixels best with the rest as it is.
@@ -164,8 +178,8 @@ std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const Sa
   SaddleProblem problem(pixels);
   LmOptions options;
   options.max_iterations = 20;
-  // A ten thousandth of a grey value and of a pixel are far below any noise.
-  options.gradient_tolerance = 1e-8;
+  // A step that promises a millionth of the cost is a thirtieth of a sigma, and is still taken.
+  options.gradient_tolerance = 1e-6;
   options.step_tolerance = 1e-5;
   const LmReport report = minimize(problem, model, options);
   if (!std::isfinite(report.cost) || (model.position - start.position).norm() > 1.5) return std::nullopt;

@@ -30,6 +30,9 @@ struct SaddleModel {
   double gain = 0;               ///< grey
   Eigen::Vector2d shading = Eigen::Vector2d::Zero();  ///< 1/px, vignetting and uneven light
   double curvature[2] = {0, 0};                       ///< 1/px
+  int points_per_pixel = 4;  ///< 4 integrate over the pixel's area; 1 is enough under a blur beyond 1.2 px
+
+  bool operator==(const SaddleModel&) const = default;
 };
 
 struct SaddleFit {
