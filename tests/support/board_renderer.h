@@ -1,5 +1,5 @@
-/// @file Pictures of boards with known corners, for tests: exact geometry through any camera, the pixel's area
-/// and a Gaussian blur integrated, then noise and 8 bits.
+/// @file Pictures of boards with known corners, for tests: exact geometry through any camera, the pixel's
+/// area and a Gaussian blur integrated, then noise and 8 bits.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -23,8 +23,7 @@ struct RenderOptions {
 
 /// What the board shows at a point of its plane: print, paper, or nothing (background).
 inline double board_grey(const Board& board, const Eigen::Vector2d& p, const RenderOptions& o) {
-  const Eigen::Vector2d half =
-      0.5 * board.type->pattern_size(board) + Eigen::Vector2d::Constant(o.margin);
+  const Eigen::Vector2d half = 0.5 * board.type->pattern_size(board) + Eigen::Vector2d::Constant(o.margin);
   if (std::abs(p.x()) > half.x() || std::abs(p.y()) > half.y()) return o.background;
   return board.type->black(board, p) ? o.black : o.white;
 }
@@ -33,6 +32,8 @@ inline double board_grey(const Board& board, const Eigen::Vector2d& p, const Ren
 struct Patch {
   int x = 0, y = 0, width = 0, height = 0;
   std::vector<double> grey;
+
+  double at(int px, int py) const { return grey[static_cast<std::size_t>(py - y) * width + (px - x)]; }
 };
 
 /// The board's part of the picture without noise. Every pixel is cut in 4 x 4 cells; a cell across an edge in
@@ -41,11 +42,10 @@ inline Patch render_patch(const Board& board, const Camera& camera, const Pose& 
                           const RenderOptions& o, std::mt19937_64& random) {
   constexpr int fine = 4;
   Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-  const Eigen::Vector2d half =
-      0.5 * board.type->pattern_size(board) + Eigen::Vector2d::Constant(o.margin);
+  const Eigen::Vector2d half = 0.5 * board.type->pattern_size(board) + Eigen::Vector2d::Constant(o.margin);
   for (double u = -1; u <= 1; u += 0.05) {
-    for (const Eigen::Vector2d& e : {Eigen::Vector2d(u, -1), Eigen::Vector2d(u, 1), Eigen::Vector2d(-1, u),
-                                     Eigen::Vector2d(1, u)}) {
+    for (const Eigen::Vector2d& e :
+         {Eigen::Vector2d(u, -1), Eigen::Vector2d(u, 1), Eigen::Vector2d(-1, u), Eigen::Vector2d(1, u)}) {
       const auto pixel =
           camera.project(T_camera_board * Eigen::Vector3d(e.x() * half.x(), e.y() * half.y(), 0));
       if (!pixel) continue;
@@ -64,7 +64,8 @@ inline Patch render_patch(const Board& board, const Camera& camera, const Pose& 
   // Where the rays through the pixels' corners meet the board; in between, linear in homogeneous coordinates.
   const Pose T_board_camera = T_camera_board.inverse();
   const int gw = patch.width + 1;
-  std::vector<Eigen::Vector3d> ray(static_cast<std::size_t>(gw) * (patch.height + 1), Eigen::Vector3d::Zero());
+  std::vector<Eigen::Vector3d> ray(static_cast<std::size_t>(gw) * (patch.height + 1),
+                                   Eigen::Vector3d::Zero());
   for (int j = 0; j <= patch.height; ++j) {
     for (int i = 0; i < gw; ++i) {
       const auto bearing = camera.unproject(Eigen::Vector2d(patch.x + i - 0.5, patch.y + j - 0.5));
@@ -100,7 +101,8 @@ inline Patch render_patch(const Board& board, const Camera& camera, const Pose& 
       if (c[1] != value || c[w + 1] != value || c[w + 2] != value) {
         value = 0;
         for (int k = 0; k < 64; ++k) {
-          value += grey_at((i + (k % 8 + unit(random)) / 8) / fine, (j + (k / 8 + unit(random)) / 8) / fine) / 64;
+          value +=
+              grey_at((i + (k % 8 + unit(random)) / 8) / fine, (j + (k / 8 + unit(random)) / 8) / fine) / 64;
         }
       }
       cell[static_cast<std::size_t>(j) * w + i] = value;
@@ -138,7 +140,8 @@ inline Patch render_patch(const Board& board, const Camera& camera, const Pose& 
 }
 
 /// The whole picture at 8 bits, with noise everywhere.
-inline Image finish(const Camera& camera, const Patch& patch, const RenderOptions& o, std::mt19937_64& random) {
+inline Image finish(const Camera& camera, const Patch& patch, const RenderOptions& o,
+                    std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   Image image{camera.width, camera.height, 1, 8, {}};
   image.bytes.resize(static_cast<std::size_t>(image.width) * image.height);

@@ -18,7 +18,8 @@ inline Board make_board(std::string_view type, int columns, int rows, double squ
   return board;
 }
 
-inline Camera make_camera(const char* model, std::initializer_list<double> parameters, int width, int height) {
+inline Camera make_camera(const char* model, std::initializer_list<double> parameters, int width,
+                          int height) {
   Camera camera;
   camera.model = find_camera_model(model);
   camera.parameters.resize(static_cast<Eigen::Index>(parameters.size()));

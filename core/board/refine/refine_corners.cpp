@@ -10,8 +10,8 @@
 namespace ca2 {
 namespace {
 
-// A patch reaches this part of the way to the next corner: half-way would be all the information there is.
-constexpr double reach_share = 0.46;
+// A patch reaches half-way to the next corner: no pixel is used twice.
+constexpr double reach_share = 0.5;
 constexpr double most_reach = 24;       // px, bounds the time on large squares
 constexpr double model_floor = 0.002;   // px, what lens, print and paper do that the model does not know
 constexpr double quantisation = 0.083;  // grey^2, of 8 bits: 1/12
@@ -129,17 +129,64 @@ struct Refined {
   SaddleFit fit;
 };
 
+double typical_rms(const std::vector<Refined>& refined) {
+  std::vector<double> rms;
+  for (const Refined& r : refined) rms.push_back(r.fit.rms);
+  return median(rms);
+}
+
+/// The slope of the light at every corner from that of all of them: an affine field over the picture, and how
+/// far the corners are scattered about it beyond their noise (shadows).
+std::vector<SlopePrior> slope_field(const std::vector<Refined>& refined) {
+  std::vector<SlopePrior> priors(refined.size());
+  const double typical = refined.empty() ? 0 : typical_rms(refined);
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Refined& r : refined) centre += r.corner.pixel / static_cast<double>(refined.size());
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  const auto row = [&](const Refined& r) {
+    const Eigen::Vector2d d = (r.corner.pixel - centre) / 100;
+    return Eigen::Vector3d(1, d.x(), d.y());
+  };
+  const auto good = [&](const Refined& r) { return r.fit.rms < 2 * typical + 1; };
+  int count = 0;
+  for (const Refined& r : refined) {
+    if (!good(r)) continue;
+    normal += row(r) * row(r).transpose();
+    right += row(r) * r.fit.model.slope.transpose();
+    ++count;
+  }
+  if (count < 9) return priors;  // too few to know better than each patch does
+  const Eigen::Matrix<double, 3, 2> field = normal.ldlt().solve(right);
+  double scatter = 0;
+  double expected = 0;
+  for (const Refined& r : refined) {
+    if (!good(r)) continue;
+    scatter += 0.5 * (r.fit.model.slope - field.transpose() * row(r)).squaredNorm() / (count - 3);
+    expected += typical * typical * r.fit.slope_variance / count;
+  }
+  const double variance = std::max(scatter - expected, 0.05 * expected);
+  for (std::size_t i = 0; i < refined.size(); ++i) {
+    priors[i].mean = field.transpose() * row(refined[i]);
+    if (variance > 0) priors[i].weight = typical * typical / variance;
+  }
+  return priors;
+}
+
 class Refiner {
  public:
   Refiner(const Board& board, const GreyImage& image)
       : board_(board), image_(image), points_(board.type->corners(board)), pitch_(corner_pitch(points_)) {}
 
-  std::vector<Refined> pass(std::span<const Corner> corners, std::span<const SaddleFit> before) const {
+  /// `before` and `priors`: of the pass before, or empty.
+  std::vector<Refined> pass(std::span<const Corner> corners, const std::vector<Refined>& before,
+                            const std::vector<SlopePrior>& priors) const {
     std::vector<Refined> refined;
     const auto lattice = neighbourhoods(points_, corners);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       if (!lattice[i]) continue;
-      const auto fit = fit_corner(corners[i], *lattice[i], before.empty() ? nullptr : &before[i]);
+      const auto fit = fit_corner(corners[i], *lattice[i], before.empty() ? nullptr : &before[i].fit,
+                                  before.empty() ? SlopePrior{} : priors[i]);
       if (fit) refined.push_back({{corners[i].id, fit->model.position, corners[i].covariance}, *fit});
     }
     return refined;
@@ -147,7 +194,7 @@ class Refiner {
 
  private:
   std::optional<SaddleFit> fit_corner(const Corner& corner, const Neighbourhood& lattice,
-                                      const SaddleFit* before) const {
+                                      const SaddleFit* before, const SlopePrior& prior) const {
     SaddleModel start;
     if (before != nullptr) start = before->model;
     start.position = corner.pixel;
@@ -163,7 +210,7 @@ class Refiner {
     }
     start.points_per_pixel = sigma > 1.2 ? 1 : 4;
     const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
-    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start);
+    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start, prior);
   }
 
   const Board& board_;
@@ -177,18 +224,14 @@ class Refiner {
 std::vector<Corner> refine_corners(const Board& board, const GreyImage& image,
                                    std::span<const Corner> corners) {
   const Refiner refiner(board, image);
-  // The second pass centres the patches and knows the lines' bend from the first one's corners.
+  // The second pass centres the patches, and knows the lines' bend and the light from the first one's
+  // corners.
+  const std::vector<Refined> first = refiner.pass(corners, {}, {});
   std::vector<Corner> rough;
-  std::vector<SaddleFit> fits;
-  for (const Refined& r : refiner.pass(corners, {})) {
-    rough.push_back(r.corner);
-    fits.push_back(r.fit);
-  }
-  const std::vector<Refined> refined = refiner.pass(rough, fits);
+  for (const Refined& r : first) rough.push_back(r.corner);
+  const std::vector<Refined> refined = refiner.pass(rough, first, slope_field(first));
   if (refined.empty()) return {};
-  std::vector<double> rms;
-  for (const Refined& r : refined) rms.push_back(r.fit.rms);
-  const double typical = median(rms);
+  const double typical = typical_rms(refined);
   std::vector<Corner> result;
   for (const Refined& r : refined) {
     // Far worse than its fellows: something lies over it. Three grey values are never held against it.

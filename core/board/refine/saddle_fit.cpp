@@ -12,7 +12,7 @@ namespace {
 constexpr int size = 10;
 using Row = Eigen::Matrix<double, size, 1>;
 // Order of the parameters.
-enum { x_, y_, angle_, log_sigma_ = 4, offset_ = 6, gain_, shading_ };
+enum { x_, y_, angle_, log_sigma_ = 4, offset_ = 6, gain_, slope_ };
 
 /// The model with what does not change from pixel to pixel worked out.
 class Evaluator {
@@ -23,13 +23,14 @@ class Evaluator {
       n_[i] = {-t_[i].y(), t_[i].x()};
       inverse_sigma_[i] = std::exp(-m_.log_sigma[i]);
     }
-    flat_ = m_.points_per_pixel == 1;
+    rho_ = n_[0].dot(n_[1]);
+    rho_slope_ = std::sin(m_.angle[1] - m_.angle[0]);
   }
 
   double grey(double x, double y, Row* by) const {
     double product = 0;
     Eigen::Matrix<double, 6, 1> by_shape = Eigen::Matrix<double, 6, 1>::Zero();  // x y angles log_sigmas
-    if (flat_) {
+    if (m_.points_per_pixel == 1) {
       // Under a wide blur the pixel's area only adds to the blur.
       add_point(x, y, 1, product, by != nullptr ? &by_shape : nullptr);
     } else {
@@ -43,20 +44,18 @@ class Evaluator {
       }
     }
     const Eigen::Vector2d d(x - m_.position.x(), y - m_.position.y());
-    const double light = 1 + m_.shading.dot(d);
-    const double print = m_.offset + m_.gain * product;
     if (by != nullptr) {
-      by->head<6>() = light * m_.gain * by_shape;
-      by->head<2>() -= print * m_.shading;
-      (*by)[offset_] = light;
-      (*by)[gain_] = light * product;
-      by->segment<2>(shading_) = print * d;
+      by->head<6>() = m_.gain * by_shape;
+      by->head<2>() -= m_.slope;
+      (*by)[offset_] = 1;
+      (*by)[gain_] = product;
+      by->segment<2>(slope_) = d;
     }
-    return light * print;
+    return m_.offset + m_.slope.dot(d) + m_.gain * product;
   }
 
  private:
-  /// Adds E(z0) E(z1) at a place, and its derivatives, with a weight.
+  /// Adds M(z0, z1) at a place, and its derivatives, with a weight.
   void add_point(double x, double y, double weight, double& product,
                  Eigen::Matrix<double, 6, 1>* by_shape) const {
     const double dx = x - m_.position.x();
@@ -69,17 +68,25 @@ class Evaluator {
       z[i] = (across[i] + m_.curvature[i] * along[i] * along[i]) * inverse_sigma_[i];
       e[i] = EdgeProfile::at(z[i]);
     }
-    product += weight * e[0].value * e[1].value;
-    if (by_shape == nullptr) return;
+    const double both = weight * e[0].slope * e[1].slope;
+    const double q0 = z[0] * z[0] - 1;
+    const double q1 = z[1] * z[1] - 1;
+    const double r2 = rho_ * rho_;
+    const double terms = rho_ + r2 * z[0] * z[1] / 2 + r2 * rho_ * q0 * q1 / 6;
+    product += weight * e[0].value * e[1].value + both * terms;
+    if (by_shape == nullptr || (e[0].slope == 0 && e[1].slope == 0)) return;
+    const double by_z[2] = {
+        weight * e[0].slope * e[1].value + both * (r2 * z[1] / 2 + r2 * rho_ * z[0] * q1 / 3 - z[0] * terms),
+        weight * e[1].slope * e[0].value + both * (r2 * z[0] / 2 + r2 * rho_ * z[1] * q0 / 3 - z[1] * terms)};
+    const double by_rho = both * (1 + rho_ * z[0] * z[1] + r2 * q0 * q1 / 2);
     for (int i = 0; i < 2; ++i) {
-      const double slope = weight * e[i].slope * e[1 - i].value;
-      if (slope == 0) continue;
       const double bend = 2 * m_.curvature[i] * along[i];
-      const double scaled = slope * inverse_sigma_[i];
+      const double scaled = by_z[i] * inverse_sigma_[i];
       (*by_shape)[0] -= scaled * (n_[i].x() + bend * t_[i].x());
       (*by_shape)[1] -= scaled * (n_[i].y() + bend * t_[i].y());
-      (*by_shape)[2 + i] += scaled * (bend * across[i] - along[i]);
-      (*by_shape)[4 + i] -= slope * z[i];
+      (*by_shape)[2 + i] +=
+          scaled * (bend * across[i] - along[i]) + (i == 0 ? rho_slope_ : -rho_slope_) * by_rho;
+      (*by_shape)[4 + i] -= by_z[i] * z[i];
     }
   }
 
@@ -87,14 +94,16 @@ class Evaluator {
   Eigen::Vector2d t_[2];
   Eigen::Vector2d n_[2];
   double inverse_sigma_[2];
-  bool flat_;
+  double rho_;
+  double rho_slope_;  ///< by the first angle; by the second its negative
 };
 
 class SaddleProblem : public DenseNormalEquations {
  public:
   using State = SaddleModel;
 
-  explicit SaddleProblem(std::span<const PatchPixel> pixels) : pixels_(pixels) {}
+  SaddleProblem(std::span<const PatchPixel> pixels, const SlopePrior& prior)
+      : pixels_(pixels), prior_(prior) {}
 
   /// An accepted step was judged by `cost` just before: its normal equations are there already.
   double linearize(const SaddleModel& model) {
@@ -119,6 +128,10 @@ class SaddleProblem : public DenseNormalEquations {
       gradient_ += r * row;
       total_ += 0.5 * r * r;
     }
+    const Eigen::Vector2d off = model.slope - prior_.mean;
+    h_.diagonal().segment<2>(slope_).array() += prior_.weight;
+    gradient_.segment<2>(slope_) += prior_.weight * off;
+    total_ += 0.5 * prior_.weight * off.squaredNorm();
     return total_;
   }
 
@@ -131,12 +144,13 @@ class SaddleProblem : public DenseNormalEquations {
     }
     next.offset += step[offset_];
     next.gain += step[gain_];
-    next.shading += step.segment<2>(shading_);
+    next.slope += step.segment<2>(slope_);
     return next;
   }
 
  private:
   std::span<const PatchPixel> pixels_;
+  SlopePrior prior_;
   std::optional<SaddleModel> judged_;
   Eigen::Matrix<double, size, size> h_;  ///< lower half, at judged_
   Row gradient_;
@@ -147,7 +161,7 @@ class SaddleProblem : public DenseNormalEquations {
 bool set_light(std::span<const PatchPixel> pixels, SaddleModel& model) {
   model.offset = 0;
   model.gain = 1;
-  model.shading.setZero();
+  model.slope.setZero();
   const Evaluator evaluator(model);
   double s = 0, sp = 0, spp = 0, sg = 0, spg = 0;
   for (const PatchPixel& pixel : pixels) {
@@ -171,11 +185,13 @@ double model_grey(const SaddleModel& model, double x, double y) {
   return Evaluator(model).grey(x, y, nullptr);
 }
 
-std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start) {
+std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
+                                    const SlopePrior& prior) {
   if (pixels.size() < 2 * size) return std::nullopt;
   SaddleModel model = start;
   if (!set_light(pixels, model)) return std::nullopt;
-  SaddleProblem problem(pixels);
+  model.slope = prior.mean;
+  SaddleProblem problem(pixels, prior);
   LmOptions options;
   options.max_iterations = 20;
   // A step that promises a millionth of the cost is a thirtieth of a sigma, and is still taken.
@@ -193,6 +209,8 @@ std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const Sa
   SaddleFit fit;
   fit.model = model;
   fit.information = coupled - cross.transpose() * nuisance.solve(cross);
+  fit.slope_variance =
+      0.5 * H.ldlt().solve(Eigen::Matrix<double, size, size>::Identity()).diagonal().segment<2>(slope_).sum();
   fit.rms = std::sqrt(2 * report.cost / static_cast<double>(pixels.size() - size));
   fit.pixels = static_cast<int>(pixels.size());
   return fit;

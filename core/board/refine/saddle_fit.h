@@ -15,28 +15,40 @@ struct PatchPixel {
   double grey;  ///< 0..255
 };
 
-/// Two crossing edges, blurred:
-///   grey(x) = (1 + shading . d) (offset + gain E(z0) E(z1)),  d = x - position,  E(z) = erf(z / sqrt 2),
-///   z_i = (n_i . d + curvature_i (t_i . d)^2) / sigma_i,      t_i = (cos angle_i, sin angle_i), n_i = its
-///   left,
-/// averaged over the pixel's area. The lines of a chessboard stay lines under perspective, so that no
-/// homography is needed; a lens bends them, and how much is known better from the neighbouring corners than
-/// from the patch (where it would cost half of the accuracy): curvature is given, not fitted.
+/// Two crossing edges under a Gaussian blur:
+///   grey(x) = offset + slope . d + gain M(z0, z1),  d = x - position,
+///   z_i = (n_i . d + curvature_i (t_i . d)^2) / sigma_i,  t_i = (cos angle_i, sin angle_i),  n_i = its left,
+/// averaged over the pixel's area. M is E(z0) E(z1) with E(z) = erf(z / sqrt 2) when the edges are square to
+/// each other; otherwise the blur across the one is correlated with that across the other by rho = n_0 . n_1,
+/// and Mehler's expansion of the bivariate normal adds
+///   E'(z0) E'(z1) (rho + rho^2 z0 z1 / 2 + rho^3 (z0^2 - 1)(z1^2 - 1) / 6).
+/// The lines of a chessboard stay lines under perspective, so that no homography is needed; a lens bends
+/// them, and how much is known better from the neighbouring corners than from the patch (where it would cost
+/// half of the accuracy): curvature is given, not fitted. Uneven light is a slope of the whole; a slope of
+/// the gain would move the corner by 0.001 px at most, and fitting it costs a quarter of the accuracy.
 struct SaddleModel {
-  Eigen::Vector2d position;      ///< px
-  double angle[2] = {0, 0};      ///< rad
-  double log_sigma[2] = {0, 0};  ///< of px; two, since motion and astigmatism blur one way
-  double offset = 0;             ///< grey
-  double gain = 0;               ///< grey
-  Eigen::Vector2d shading = Eigen::Vector2d::Zero();  ///< 1/px, vignetting and uneven light
-  double curvature[2] = {0, 0};                       ///< 1/px
+  Eigen::Vector2d position;                         ///< px
+  double angle[2] = {0, 0};                         ///< rad
+  double log_sigma[2] = {0, 0};                     ///< of px; two, since motion and astigmatism blur one way
+  double offset = 0;                                ///< grey
+  double gain = 0;                                  ///< grey
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< grey/px
+  double curvature[2] = {0, 0};                     ///< 1/px
   int points_per_pixel = 4;  ///< 4 integrate over the pixel's area; 1 is enough under a blur beyond 1.2 px
 
   bool operator==(const SaddleModel&) const = default;
 };
 
+/// What is known of a patch's slope beforehand, from the other corners: a slope of the light along an edge
+/// looks like a shift across it, and costs a quarter of the accuracy when nothing is known of it.
+struct SlopePrior {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();  ///< grey/px
+  double weight = 0;  ///< px^2: variance of the grey values over that of the slope
+};
+
 struct SaddleFit {
   SaddleModel model;
+  double slope_variance = 0;    ///< (grey/px)^2 for unit noise, mean of both directions
   Eigen::Matrix2d information;  ///< of the position with everything else free, for unit noise, 1/px^2
   double rms = 0;               ///< grey, of the residuals per degree of freedom
   int pixels = 0;
@@ -44,7 +56,8 @@ struct SaddleFit {
 
 /// Least squares from a start within about half a pixel (its offset and gain need not be set); nothing when
 /// it runs away or there are too few pixels.
-std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start);
+std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
+                                    const SlopePrior& prior = {});
 
 /// Grey value of the model averaged over the pixel at (x, y).
 double model_grey(const SaddleModel& model, double x, double y);

@@ -1,0 +1,179 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "core/board/refine/edge_profile.h"
+#include "core/board/refine/neighbourhood.h"
+#include "core/board/refine/refine_corners.h"
+#include "core/board/refine/saddle_fit.h"
+#include "tests/support/board_renderer.h"
+#include "tests/support/board_scenes.h"
+
+namespace ca2 {
+namespace {
+
+TEST(EdgeProfile, IsTheErrorFunction) {
+  for (double z = -6; z <= 6; z += 0.0137) {
+    const auto e = EdgeProfile::at(z);
+    EXPECT_NEAR(e.value, std::erf(z / std::sqrt(2.0)), 1e-6);
+    EXPECT_NEAR(e.slope, std::sqrt(2 / M_PI) * std::exp(-z * z / 2), 2e-5);
+  }
+}
+
+TEST(SaddleFit, ReturnsWhatMadeThePixels) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 50; ++i) {
+    SaddleModel truth;
+    truth.position = {20 + unit(random), 20 + unit(random)};
+    truth.angle[0] = 3 * unit(random);
+    truth.angle[1] = truth.angle[0] + 1.5 + 0.4 * unit(random);
+    for (int k = 0; k < 2; ++k) {
+      truth.log_sigma[k] = std::log(1.2 + 0.6 * unit(random));
+      truth.curvature[k] = 0.004 * unit(random);
+    }
+    truth.offset = 120;
+    truth.gain = i % 2 == 0 ? 80 : -80;
+    truth.slope = {0.3 * unit(random), 0.3 * unit(random)};
+    std::vector<PatchPixel> pixels;
+    for (int y = 10; y <= 30; ++y) {
+      for (int x = 10; x <= 30; ++x) {
+        pixels.push_back({double(x), double(y), model_grey(truth, x, y)});
+      }
+    }
+    SaddleModel start = truth;
+    start.position += Eigen::Vector2d(0.4 * unit(random), 0.4 * unit(random));
+    start.angle[0] += 0.05 * unit(random);
+    start.log_sigma[0] = start.log_sigma[1] = 0;
+    const auto fit = fit_saddle(pixels, start);
+    ASSERT_TRUE(fit);
+    EXPECT_LT((fit->model.position - truth.position).norm(), 1e-4);
+    EXPECT_NEAR(fit->model.gain, truth.gain, 0.1);
+    EXPECT_LT(fit->rms, 0.01);
+  }
+}
+
+/// What the picture itself allows a corner's position: the pixels of its own cell (half-way to its
+/// neighbours), their noise, and the rendered picture's own derivative; everything else known.
+std::vector<Eigen::Matrix2d> bounds(const Board& board, const Camera& camera, const Pose& pose,
+                                    const test::RenderOptions& options, double noise) {
+  constexpr double step = 0.25;
+  const auto shifted = [&](int parameter, double by) {
+    Camera moved = camera;
+    moved.parameters[parameter] += by;  // the principal point: the picture as a whole
+    std::mt19937_64 random(1);
+    return test::render_patch(board, moved, pose, options, random);
+  };
+  const test::Patch right = shifted(2, step), left = shifted(2, -step);
+  const test::Patch down = shifted(3, step), up = shifted(3, -step);
+  std::vector<Corner> corners;
+  for (const auto& pixel : test::true_corners(board, camera, pose)) {
+    corners.push_back({static_cast<int>(corners.size()), *pixel, Eigen::Matrix2d::Identity()});
+  }
+  std::vector<Eigen::Matrix2d> result;
+  const auto lattice = neighbourhoods(board.type->corners(board), corners);
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto& along = lattice[k]->along;
+    Eigen::Matrix2d to_board;
+    to_board << along[0], along[1];
+    to_board = to_board.inverse().eval();
+    const Eigen::Vector2d half = 0.5 * (along[0].cwiseAbs() + along[1].cwiseAbs());
+    const Eigen::Vector2d& centre = corners[k].pixel;
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    for (int y = static_cast<int>(centre.y() - half.y()); y <= centre.y() + half.y(); ++y) {
+      for (int x = static_cast<int>(centre.x() - half.x()); x <= centre.x() + half.x(); ++x) {
+        if ((to_board * (Eigen::Vector2d(x, y) - centre)).cwiseAbs().maxCoeff() > 0.5) continue;
+        const Eigen::Vector2d slope(right.at(x, y) - left.at(x, y), down.at(x, y) - up.at(x, y));
+        information += slope * slope.transpose() / std::pow(2 * step * noise, 2);
+      }
+    }
+    result.push_back(information.inverse());
+  }
+  return result;
+}
+
+/// Error over the Cramer-Rao bound, honesty of the covariance, and bias, by blur, for both kinds of lens, at
+/// noise 0.007 of full scale.
+TEST(RefineCorners, ReachTheBound) {
+  struct Case {
+    const char* name;
+    Camera camera;
+    Eigen::Vector3d bearing;
+    double distance;
+  };
+  const Case cases[] = {{"pinhole", test::narrow_camera(), {0.2, -0.1, 1}, 1.6},
+                        {"fisheye", test::fisheye_camera(), {0.8, 0.5, 1}, 0.6}};
+  const Board board = test::make_board("checkerboard", 8, 5);
+  for (const Case& c : cases) {
+    for (const double sigma : {0.5, 1.0, 1.5}) {
+      test::RenderOptions options;
+      options.sigma = sigma;
+      std::mt19937_64 random(11);
+      double error = 0, bound = 0, nees = 0, worst_bias = 0;
+      int count = 0;
+      for (const double tilt : {0.2, 0.8}) {
+        const Pose pose = test::board_pose(c.bearing, c.distance, tilt, 1.2, 0.5);
+        const auto truth = test::true_corners(board, c.camera, pose);
+        const double noise = std::sqrt(options.noise * options.noise + 1 / 12.0);
+        const auto allowed = bounds(board, c.camera, pose, options, noise);
+        const test::Patch patch = test::render_patch(board, c.camera, pose, options, random);
+        std::vector<Eigen::Vector2d> mean(truth.size(), Eigen::Vector2d::Zero());
+        constexpr int pictures = 4;
+        for (int i = 0; i < pictures; ++i) {
+          const auto corners = detect_board(board, test::finish(c.camera, patch, options, random));
+          ASSERT_EQ(corners.size(), truth.size());
+          for (const Corner& corner : corners) {
+            const auto id = static_cast<std::size_t>(corner.id);
+            const Eigen::Vector2d e = corner.pixel - *truth[id];
+            error += e.squaredNorm();
+            bound += allowed[id].trace();
+            nees += e.dot(corner.covariance.inverse() * e) / 2;
+            mean[id] += e / pictures;
+            ++count;
+          }
+        }
+        double bias = 0;
+        for (const Eigen::Vector2d& m : mean) bias += m.squaredNorm() / static_cast<double>(mean.size());
+        worst_bias = std::max(worst_bias, std::sqrt(bias));
+      }
+      const double ratio = std::sqrt(error / bound);
+      std::printf(
+          "%s, blur %.1f: error %.4f px, bound %.4f px, ratio %.3f, NEES/2 %.2f, rms of means %.4f px\n",
+          c.name, sigma, std::sqrt(error / count), std::sqrt(bound / count), ratio, nees / count, worst_bias);
+      EXPECT_LT(ratio, 1.2) << c.name << " " << sigma;
+      EXPECT_GT(ratio, 0.9) << "better than the bound: the bound is wrong";
+      EXPECT_LT(nees / count, 1.25);
+      EXPECT_GT(nees / count, 0.5);
+    }
+  }
+}
+
+/// A finger over some corners: they go, the others do not suffer.
+TEST(RefineCorners, LeavesOutWhatIsCovered) {
+  std::mt19937_64 random(12);
+  const Board board = test::make_board("checkerboard", 8, 5);
+  const Camera camera = test::narrow_camera();
+  const Pose pose = test::board_pose({0, 0, 1}, 1.5, 0.3, 1, 0.2);
+  const auto truth = test::true_corners(board, camera, pose);
+  Image image = test::render_board(board, camera, pose, {}, random);
+  const auto found = detect_board(board, image);
+  ASSERT_EQ(found.size(), 40u);
+  const Eigen::Vector2d finger = *truth[0] + Eigen::Vector2d(5, 3);
+  for (int y = -9; y <= 9; ++y) {
+    for (int x = -9; x <= 9; ++x) {
+      const auto at = static_cast<std::size_t>(finger.y() + y) * static_cast<std::size_t>(image.width);
+      image.bytes[at + static_cast<std::size_t>(finger.x() + x)] = 150;
+    }
+  }
+  int others = 0;
+  for (const Corner& corner : refine_corners(board, to_grey(image), found)) {
+    EXPECT_NE(corner.id, 0);
+    EXPECT_LT((corner.pixel - *truth[static_cast<std::size_t>(corner.id)]).norm(), 0.05) << corner.id;
+    ++others;
+  }
+  EXPECT_GE(others, 38);
+}
+
+}  // namespace
+}  // namespace ca2
