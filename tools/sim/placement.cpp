@@ -100,19 +100,31 @@ std::vector<PlateHit> cast_on_plate(const BeamTable& beams, double azimuth, cons
   constexpr double origin_allowance = 0.3;  // m
   const double radius =
       std::hypot(plate.outline.width, plate.outline.height) / 2 + std::abs(plate.bend) + origin_allowance;
-  const double cosine = radius < distance ? std::sqrt(1 - std::pow(radius / distance, 2)) : -1;
+  const double cone = radius < distance ? std::asin(radius / distance) : std::numbers::pi;
+  // A ring's beams are one beam turned about z by a column's step: where one is far outside the cone, so are
+  // those that follow it.
+  constexpr int stride = 16;
+  const double far_cone = cone + stride * 2 * std::numbers::pi / std::max(beams.columns, 1);
+  const double cosine = std::cos(cone);
+  const double far_cosine = far_cone < std::numbers::pi ? std::cos(far_cone) : -1;
   const Eigen::Matrix3d turn = so3_exp({0, 0, azimuth});
   const Eigen::Vector3d axis = turn.transpose() * center / std::max(distance, 1e-9);
   const Pose T_board_lidar = T_lidar_board.inverse();
-  for (std::size_t i = 0; i < beams.rays.size(); ++i) {
-    if (beams.rays[i].direction.dot(axis) < cosine) continue;
-    const BeamRay ray{turn * beams.rays[i].origin, turn * beams.rays[i].direction};
+  const auto cast = [&](int ring, int column) {
+    const BeamRay& beam = beams.ray(ring, column);
+    if (beam.direction.dot(axis) < cosine) return;
+    const BeamRay ray{turn * beam.origin, turn * beam.direction};
     const Eigen::Vector3d origin = T_board_lidar * ray.origin;
     const Eigen::Vector3d direction = T_board_lidar.R * ray.direction;
     const auto range = plate.intersect(origin, direction);
-    if (!range || *range < beams.min_range || (beams.max_range > 0 && *range > beams.max_range)) continue;
-    hits.push_back({static_cast<int>(i) / beams.columns, static_cast<int>(i) % beams.columns, ray, *range,
-                    (origin + *range * direction).head<2>()});
+    if (!range || *range < beams.min_range || (beams.max_range > 0 && *range > beams.max_range)) return;
+    hits.push_back({ring, column, ray, *range, (origin + *range * direction).head<2>()});
+  };
+  for (int ring = 0; ring < beams.rings; ++ring) {
+    for (int first = 0; first < beams.columns; first += stride) {
+      if (beams.ray(ring, first).direction.dot(axis) < far_cosine) continue;
+      for (int column = first; column < std::min(first + stride, beams.columns); ++column) cast(ring, column);
+    }
   }
   return hits;
 }
