@@ -29,7 +29,7 @@ void add_box(Scene& scene, const Pose& T_rig_item, const Eigen::Vector3d& center
   solid.T_rig_solid = {T_rig_item.R, T_rig_item * center};
   solid.size = edges / 2;
   solid.material = material;
-  scene.solids.push_back(solid);
+  scene.add(solid);
 }
 
 /// A place on the floor along a wall: x points into the room, y along the wall, the origin at the wall.
@@ -101,7 +101,7 @@ Scene furnish_room(const Room& room, std::uint64_t seed) {
   walls.T_rig_solid.t = {0, 0, room.height / 2 - room.rig_height};
   walls.size = {room.length / 2, room.width / 2, room.height / 2};
   walls.material = {0.62, 0.6, Texture::blotches, 0.9, 0.1};
-  scene.solids.push_back(walls);
+  scene.add(walls);
   // The floor is a solid of its own, so that it can have its own material.
   add_box(scene, Pose{}, {0, 0, -room.rig_height - 0.01}, {room.length, room.width, 0.03},
           {0.36, 0.3, Texture::tiles, 0.5, 0.3});
@@ -118,8 +118,7 @@ int add_board(Scene& scene, const Board& board, double bend, const Pose& T_rig_b
   solid.plate = {board.extent(), bend};
   solid.print = &board;
   solid.material.albedo = 0.8;
-  scene.solids.push_back(solid);
-  return static_cast<int>(scene.solids.size()) - 1;
+  return scene.add(solid);
 }
 
 int add_panel(Scene& scene, const Board& board, const Pose& T_rig_panel, std::mt19937_64& rng) {
@@ -130,8 +129,7 @@ int add_panel(Scene& scene, const Board& board, const Pose& T_rig_panel, std::mt
   solid.plate.outline.width *= uniform(rng, 0.93, 1.07);
   solid.plate.outline.height *= uniform(rng, 0.93, 1.07);
   solid.material = draw_material(rng, 0.4, 0.8, Texture::plain);
-  scene.solids.push_back(solid);
-  return static_cast<int>(scene.solids.size()) - 1;
+  return scene.add(solid);
 }
 
 }  // namespace ca2

@@ -31,7 +31,7 @@ void add_limb(Scene& scene, const Eigen::Vector3d& from, const Eigen::Vector3d& 
   limb.T_rig_solid.t = (from + to) / 2;
   limb.size = {radius, radius, axis.norm() / 2};
   limb.material = material;
-  scene.solids.push_back(limb);
+  scene.add(limb);
 }
 
 void add_ellipsoid(Scene& scene, const Pose& T_rig_solid, const Eigen::Vector3d& half,
@@ -41,7 +41,7 @@ void add_ellipsoid(Scene& scene, const Pose& T_rig_solid, const Eigen::Vector3d&
   solid.T_rig_solid = T_rig_solid;
   solid.size = half;
   solid.material = material;
-  scene.solids.push_back(solid);
+  scene.add(solid);
 }
 
 /// Trunk, head and legs; the body frame has x towards the rig, z up and its origin between the shoulders.

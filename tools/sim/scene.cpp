@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace ca2 {
 namespace {
@@ -97,8 +98,28 @@ double smooth_step(double low, double high, double x) {
   return s * s * (3 - 2 * s);
 }
 
+double bounding_radius(const Solid& solid) {
+  const Eigen::Vector3d& size = solid.size;
+  switch (solid.shape) {
+    case Shape::ellipsoid:
+      return size.maxCoeff();
+    case Shape::capsule:
+      return size.z() + size.x();
+    case Shape::plate: {
+      const Outline& outline = solid.plate.outline;
+      return std::hypot(outline.width, outline.height) / 2 + outline.center.norm() +
+             std::abs(solid.plate.bend);
+    }
+    case Shape::box:
+    case Shape::room:
+      break;
+  }
+  return size.norm();
+}
+
 void keep_nearer(const Solid& solid, int index, const Eigen::Vector3d& origin,
-                 const Eigen::Vector3d& direction, double radius, SolidHit& best) {
+                 const Eigen::Vector3d& direction, SolidHit& best) {
+  const double radius = solid.bounding_radius;
   const Eigen::Vector3d to_center = solid.T_rig_solid.t - origin;
   if (solid.shape != Shape::room) {
     const double along = to_center.dot(direction);
@@ -115,26 +136,16 @@ void keep_nearer(const Solid& solid, int index, const Eigen::Vector3d& origin,
 
 }  // namespace
 
-double Solid::bounding_radius() const {
-  switch (shape) {
-    case Shape::ellipsoid:
-      return size.maxCoeff();
-    case Shape::capsule:
-      return size.z() + size.x();
-    case Shape::plate:
-      return std::hypot(plate.outline.width, plate.outline.height) / 2 + plate.outline.center.norm() +
-             std::abs(plate.bend);
-    case Shape::box:
-    case Shape::room:
-      break;
-  }
-  return size.norm();
+int Scene::add(Solid solid) {
+  solid.bounding_radius = bounding_radius(solid);
+  solids.push_back(std::move(solid));
+  return static_cast<int>(solids.size()) - 1;
 }
 
 SolidHit Scene::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
   SolidHit best;
   for (std::size_t i = 0; i < solids.size(); ++i) {
-    keep_nearer(solids[i], static_cast<int>(i), origin, direction, solids[i].bounding_radius(), best);
+    keep_nearer(solids[i], static_cast<int>(i), origin, direction, best);
   }
   return best;
 }
@@ -144,7 +155,7 @@ SolidHit Scene::cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direc
   SolidHit best;
   for (const int i : indices) {
     const Solid& solid = solids[static_cast<std::size_t>(i)];
-    keep_nearer(solid, i, origin, direction, solid.bounding_radius(), best);
+    keep_nearer(solid, i, origin, direction, best);
   }
   return best;
 }

@@ -36,7 +36,7 @@ struct Solid {
   Plate plate;
   const Board* print = nullptr;  ///< what is printed on a plate; nullptr: nothing
 
-  double bounding_radius() const;  ///< m, round T_rig_solid.t
+  double bounding_radius = 0;  ///< m, round T_rig_solid.t; Scene::add sets it
 };
 
 /// Where a ray meets a solid.
@@ -51,8 +51,11 @@ struct SolidHit {
 };
 
 struct Scene {
-  std::vector<Solid> solids;
+  std::vector<Solid> solids;               ///< filled by `add`
   Eigen::Vector3d lamp = {0.5, 0.3, 1.6};  ///< rig frame, m
+
+  /// Returns the solid's index.
+  int add(Solid solid);
 
   /// The nearest of all solids along the unit `direction` (rig frame).
   SolidHit cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;

@@ -5,12 +5,14 @@
 
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 
 #include "core/io/files.h"
 #include "core/io/yaml.h"
 #include "core/session/session.h"
 #include "tests/tools/sim/test_rigs.h"
 #include "tools/sim/feature_simulator.h"
+#include "tools/sim/view_simulator.h"
 
 namespace ca2 {
 namespace {
@@ -61,6 +63,25 @@ TEST_F(SimulatedSession, EveryShippedScenarioHasPlacesForTheBoard) {
     }
   }
   EXPECT_GE(scenarios, 4);
+}
+
+TEST_F(SimulatedSession, EveryShippedRigIsRenderedInReasonableTime) {
+  for (const char* name : {"paper", "os0_t265", "os0_manta", "vlp16_blackfly"}) {
+    const auto file = read_scenario(scenario_directory() / (std::string(name) + ".yaml"));
+    ASSERT_TRUE(file) << file.error().text();
+    const ViewSimulator simulator(file->scenario);
+    constexpr int views = 2;
+    const std::clock_t start = std::clock();
+    for (int id = 1; id <= views; ++id) {
+      const auto view = simulator.render(id);
+      ASSERT_TRUE(view) << view.error().text();
+      EXPECT_EQ(view->images.size(), file->scenario.cameras.size());
+      EXPECT_EQ(view->scans.size(), file->scenario.lidars.size());
+    }
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / views;
+    std::printf("%-16s %.0f ms of one core per view\n", name, 1e3 * seconds);
+    EXPECT_LT(seconds, 10);
+  }
 }
 
 TEST_F(SimulatedSession, IsASessionWithTheTruthBesideIt) {
