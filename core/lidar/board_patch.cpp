@@ -11,10 +11,18 @@
 namespace ca2 {
 namespace {
 
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) sum += p;
-  return sum / static_cast<double>(std::max<std::size_t>(points.size(), 1));
+/// The mean of the points, and then of those within `reach` of it: arms and other leads pull less.
+Eigen::Vector3d dense_centre(const std::vector<Eigen::Vector3d>& points, double reach) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (double limit : {1e9, reach, reach}) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double count = 0;
+    for (const Eigen::Vector3d& p : points) {
+      if ((p - centre).norm() < limit) sum += p, ++count;
+    }
+    if (count > 0) centre = sum / count;
+  }
+  return centre;
 }
 
 /// How the rectangle is filled and how free its sides are, each 0..1.
@@ -30,7 +38,8 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
       context.image
           .row_angle[placed.rays.empty() ? 0
                                          : placed.rays[placed.rays.size() / 2].cell / context.image.columns];
-  // Wide enough for a ring to pass beyond the rim.
+  // Beyond the rim's mixed pixels and what the rectangle's place is uncertain by, and wide enough for a ring.
+  const double beyond = margin + 0.5 * std::min(near_row, 0.03);
   const double rim = std::max(0.15 * std::min(context.width, context.height), 1.3 * near_row);
   double on = 0, hollow = 0;
   std::array<double, 4> solid{}, seen{};
@@ -48,7 +57,7 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
       } else {
         hollow += ray.end == RayEnd::behind ? 1 : ray.end == RayEnd::front ? 0.5 : 0.3;
       }
-    } else if (distance > margin && distance < margin + rim) {
+    } else if (distance > beyond && distance < beyond + rim) {
       seen[static_cast<std::size_t>(side)] += 1;
       if (ray.end == RayEnd::on) solid[static_cast<std::size_t>(side)] += 1;
       // What falls away slowly is the neighbouring face of a body, not a free rim.
@@ -127,7 +136,7 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
   double band = std::clamp(3.5 * context.noise, 0.02, 0.08);
   std::vector<Eigen::Vector3d> points;
   for (const std::uint32_t cell : region.cells) points.push_back(context.image.point[cell].cast<double>());
-  Eigen::Vector3d centre = mean_of(points);
+  Eigen::Vector3d centre = dense_centre(points, 0.6 * diagonal);
   RangeFit fit = fit_ranges(points, region.plane);
   std::vector<std::uint32_t> returns;
   std::optional<Placed> placed;

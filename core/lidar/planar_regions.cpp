@@ -9,7 +9,8 @@
 namespace ca2 {
 namespace {
 
-constexpr std::uint8_t kClosed = 2;  // a cell with this many claims starts no further region
+// Claims on a cell: at kClosed it starts no further region; kWall says why.
+constexpr std::uint8_t kClosed = 2, kWall = 3;
 
 /// The largest power of two that is not over x; 1 below that. Powers of two keep the lattices of near and
 /// far surfaces nested, so that a surface visited coarsely is not visited again by finer seeds.
@@ -32,13 +33,13 @@ class RegionGrower {
   PlanarRegions run() {
     PlanarRegions out;
     out.noise = estimate_noise();
-    band_ = std::clamp(3.5f * out.noise, 0.02f, 0.08f);
+    noise_ = out.noise;
     for (int row = 0; row < image_.rows; ++row) {
       for (int column = 0; column < image_.columns; ++column) {
         const std::size_t i = image_.index(row, column);
         if (claims_[i] >= kClosed || !on_seed_lattice(row, column, image_.range[i])) continue;
         const auto seed = fit_seed(row, column);
-        if (!seed || seed->rms > 2 * out.noise + 0.004f) continue;
+        if (!seed || seed->rms > 1.6f * noise_ + 0.004f) continue;
         if (auto region = grow(row, column, *seed)) out.regions.push_back(*std::move(region));
       }
     }
@@ -86,7 +87,7 @@ class RegionGrower {
     return fit;
   }
 
-  /// Most of what a LiDAR sees is smooth: the lower third of the patches' residuals is noise alone.
+  /// Most of what a LiDAR sees is smooth: the middle one of the patches' residuals is noise alone.
   float estimate_noise() const {
     std::vector<float> rms;
     const int row_step = std::max(1, image_.rows / 24), column_step = std::max(1, image_.columns / 48);
@@ -94,13 +95,15 @@ class RegionGrower {
       for (int column = 0; column < image_.columns; column += column_step) {
         const float range = image_.range[image_.index(row, column)];
         if (range == 0 || row_gap(row, range) > diagonal_) continue;
-        if (const auto fit = fit_seed(row, column)) rms.push_back(fit->rms);
+        const auto fit = fit_seed(row, column);
+        // Noise lies along the ray; grazing patches say little about it.
+        if (fit && fit->offset > 0.3f * range) rms.push_back(fit->rms * range / fit->offset);
       }
     }
     if (rms.empty()) return 0.02f;
-    const auto third = rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 3);
-    std::nth_element(rms.begin(), third, rms.end());
-    return std::clamp(*third, 0.003f, 0.025f);
+    const auto middle = rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2);
+    std::nth_element(rms.begin(), middle, rms.end());
+    return std::clamp(*middle, 0.003f, 0.025f);
   }
 
   /// Flood fill of one plane on the lattice; none when it is a wall, or nothing near the board's size.
@@ -108,36 +111,57 @@ class RegionGrower {
     ++stamp_;
     PlaneSums::Fit plane = seed;
     const Eigen::Vector3f start = image_.point[image_.index(seed_row, seed_column)];
+    const float reach = diagonal_ * diagonal_ * 1.1f;
+    // The same to both sides of the plane; returns on a grazing surface scatter less across it.
+    const float band = std::clamp(3.5f * noise_ * std::max(0.4f, plane.offset / start.norm()), 0.02f, 0.08f);
     PlaneSums sums(start);
     PlanarRegion region;
     float far_area = 0;
-    int refit_at = 24;
+    std::size_t refit_at = 24, on_walls = 0;
+    bool wall = false;
     queue_.clear();
+    member_.clear();
     push(seed_row, seed_column);
     for (std::size_t next = 0; next < queue_.size(); ++next) {
       const auto [row, column] = queue_[next];
       const std::size_t i = image_.index(row, column);
+      // The rest of a wall was claimed before.
+      if (wall && claims_[i] == kWall) continue;
       const Eigen::Vector3f& p = image_.point[i];
-      if (std::abs(plane.normal.dot(p) + plane.offset) > band_) continue;
-      sums.add(p);
-      region.cells.push_back(static_cast<std::uint32_t>(i));
+      if (std::abs(plane.normal.dot(p) + plane.offset) > band) continue;
+      on_walls += claims_[i] == kWall;
+      member_.push_back(static_cast<std::uint32_t>(i));
       const float range = image_.range[i];
       const int rows = row_step(row, range), columns = column_step(range);
       const float facing = std::max(0.1f, plane.offset / range);  // cosine of the incidence
       const float area = row_gap(row, range) * static_cast<float>(rows) * column_gap(range) *
                          static_cast<float>(columns) * std::hypot(p.x(), p.y()) / (range * facing);
-      ((p - start).squaredNorm() > diagonal_ * diagonal_ * 1.1f ? far_area : region.area) += area;
-      if (sums.count() == refit_at) plane = sums.fit(), refit_at *= 2;
+      // Hands and arms may lead on to the body along the plane: what is farther away than any part of the
+      // board counts apart, and does not bend the plane.
+      if ((p - start).squaredNorm() > reach) {
+        far_area += area;
+      } else {
+        region.area += area;
+        region.cells.push_back(static_cast<std::uint32_t>(i));
+        sums.add(p);
+      }
+      if (member_.size() == refit_at) {
+        if (sums.count() >= 12) plane = sums.fit();
+        refit_at *= 2;
+      }
+      wall = wall || region.area > 2.2f * board_area_ || far_area > 3 * board_area_ ||
+             (member_.size() >= 32 && on_walls * 5 > member_.size() * 3);
       visit(row, column - columns);
       visit(row, column + columns);
       visit(row - rows, column);
       visit(row + rows, column);
     }
-    const bool wall = far_area > 0.35f * board_area_;
-    const bool fits = !wall && region.area > 0.3f * board_area_ && region.area < 2.2f * board_area_;
-    for (const std::uint32_t i : region.cells) {
-      claims_[i] =
-          static_cast<std::uint8_t>(std::min<int>(kClosed, claims_[i] + (wall || fits ? kClosed : 1)));
+    const bool fits = !wall && region.area > 0.3f * board_area_;
+    for (const std::uint32_t i : member_) {
+      const std::uint8_t claim = wall   ? kWall
+                                 : fits ? kClosed
+                                        : static_cast<std::uint8_t>(std::min(claims_[i] + 1, int{kClosed}));
+      claims_[i] = std::max(claims_[i], claim);
     }
     if (!fits) return std::nullopt;
     plane = sums.fit();
@@ -167,11 +191,12 @@ class RegionGrower {
   }
 
   const RingImage& image_;
-  float short_side_, diagonal_, board_area_, band_ = 0;
+  float short_side_, diagonal_, board_area_, noise_ = 0;
   std::vector<std::uint8_t> claims_;
   std::vector<std::uint32_t> stamps_;  ///< the region that last visited a cell
   std::uint32_t stamp_ = 0;
   std::vector<std::pair<int, int>> queue_;
+  std::vector<std::uint32_t> member_;  ///< cells of the surface that is growing
 };
 
 }  // namespace

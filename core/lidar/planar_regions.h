@@ -12,7 +12,7 @@ namespace ca2 {
 /// A connected planar piece. Where the board would have many cells, only every few of them are listed.
 struct PlanarRegion {
   Plane plane;                       ///< sensor frame
-  std::vector<std::uint32_t> cells;  ///< of the ring image, those visited
+  std::vector<std::uint32_t> cells;  ///< of the ring image, those visited within the board's reach
   float area = 0;                    ///< m^2, of all the surface that the visited cells stand for
 };
 

@@ -37,7 +37,8 @@ class PlaneSums {
     fit.offset = -fit.normal.dot(anchor_ + mean);
     if (fit.offset < 0) fit.normal = -fit.normal, fit.offset = -fit.offset;
     const Eigen::Vector3f values = eigen.eigenvalues().cwiseMax(0.0f);
-    fit.rms = std::sqrt(values(0));
+    // The plane took three degrees of freedom.
+    fit.rms = std::sqrt(values(0) * n / std::max(n - 3, 1.0f));
     fit.thinness = std::sqrt(values(1) / std::max(values(2), 1e-12f));
     return fit;
   }

@@ -7,6 +7,7 @@ namespace {
 
 constexpr int kMaxRings = 1024;  // more is a damaged file: no sensor has them
 constexpr float kBin = 0.0005f;  // rad, a quarter of the closest beams sold (0.1 deg)
+constexpr int kWidestRing = 5;   // bins
 
 RingIds given_rings(const Scan& scan) {
   RingIds ids;
@@ -39,8 +40,56 @@ std::vector<int> cluster_bins(const std::vector<int>& histogram, int returns) {
       width = 0;
     }
   }
-  const bool parted = rings >= 4 && rings <= 256 && static_cast<float>(widest) * kBin < 0.01f;
+  int kept = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) kept += ring_of_bin[i] >= 0 ? histogram[i] : 0;
+  const bool parted = rings >= 4 && rings <= 256 && widest <= kWidestRing && kept * 100 > returns * 99;
   return parted ? ring_of_bin : std::vector<int>{};
+}
+
+/// Do all returns of each ring lie on a cone z = height + slope * rho? Noise along a beam does not leave it,
+/// so this holds to the rounding of the file for the right rings, and for no others.
+template <class RingOf>
+bool on_cones(const Scan& scan, int rings, RingOf ring_of) {
+  struct Sums {
+    double n = 0, r = 0, z = 0, rr = 0, rz = 0, zz = 0;
+  };
+  std::vector<Sums> sums(static_cast<std::size_t>(rings));
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    if (!is_return(p) || p.squaredNorm() > 400) continue;
+    const double r = std::hypot(static_cast<double>(p.x()), static_cast<double>(p.y())), z = p.z();
+    Sums& s = sums[static_cast<std::size_t>(ring_of(i))];
+    s.n += 1, s.r += r, s.z += z, s.rr += r * r, s.rz += r * z, s.zz += z * z;
+  }
+  constexpr double kRounding = 0.006;  // m
+  double residual = 0, count = 0;
+  for (const Sums& s : sums) {
+    if (s.n < 3) continue;
+    const double rr = s.rr - s.r * s.r / s.n, rz = s.rz - s.r * s.z / s.n, zz = s.zz - s.z * s.z / s.n;
+    residual += std::max(0.0, zz - rz * rz / std::max(rr, 1e-9));
+    count += s.n;
+  }
+  return count > 0 && residual < count * kRounding * kRounding;
+}
+
+/// Clouds that keep a place for every measurement say the ring by the index: firing after firing, or ring
+/// after ring. True when one of the usual numbers of beams fits.
+bool rings_by_index(const Scan& scan, RingIds& ids) {
+  for (const int rings : {16, 32, 40, 64, 80, 128}) {
+    const std::size_t columns = scan.size() / static_cast<std::size_t>(rings);
+    if (columns < 90 || scan.size() % static_cast<std::size_t>(rings) != 0) continue;
+    const auto firing = [&](std::size_t i) { return i % static_cast<std::size_t>(rings); };
+    const auto row = [&](std::size_t i) { return i / columns; };
+    const bool by_firing = on_cones(scan, rings, firing);
+    if (!by_firing && !on_cones(scan, rings, row)) continue;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (is_return(scan.points[i])) ids.ring[i] = static_cast<std::uint16_t>(by_firing ? firing(i) : row(i));
+    }
+    ids.rings = rings;
+    ids.beams = true;
+    return true;
+  }
+  return false;
 }
 
 /// Slices of equal elevation with a column's height or about twice it: as many as leave few cells empty.
@@ -56,6 +105,7 @@ RingIds find_rings(const Scan& scan) {
   RingIds ids = given_rings(scan);
   if (ids.beams) return ids;
   ids.ring.assign(scan.size(), RingIds::none);
+  if (rings_by_index(scan, ids)) return ids;
   std::vector<float> elevation(scan.size(), 0);
   float low = 2, high = -2;
   int returns = 0;
