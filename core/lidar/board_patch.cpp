@@ -25,6 +25,11 @@ Eigen::Vector3d dense_centre(const std::vector<Eigen::Vector3d>& points, double 
   return centre;
 }
 
+/// rad between the ring of a cell and the next.
+double row_angle_at(const PatchContext& context, std::uint32_t cell) {
+  return context.image.row_angle[cell / static_cast<std::uint32_t>(context.image.columns)];
+}
+
 /// How the rectangle is filled and how free its sides are, each 0..1.
 struct Evidence {
   double fill = 0, free = 0, least_free = 0;
@@ -32,12 +37,10 @@ struct Evidence {
   int rows = 0;  ///< rings with returns on the board
 };
 
-Evidence weigh(const PatchContext& context, const Placed& placed, double margin, double band) {
+Evidence weigh(const PatchContext& context, const Placed& placed, double margin) {
+  if (placed.rays.empty()) return {};
   const double near_row =
-      placed.frame.origin.norm() *
-      context.image
-          .row_angle[placed.rays.empty() ? 0
-                                         : placed.rays[placed.rays.size() / 2].cell / context.image.columns];
+      placed.frame.origin.norm() * row_angle_at(context, placed.rays[placed.rays.size() / 2].cell);
   // Beyond the rim's mixed pixels and what the rectangle's place is uncertain by, and wide enough for a ring.
   const double beyond = margin + 0.5 * std::min(near_row, 0.03);
   const double rim = std::max(0.15 * std::min(context.width, context.height), 1.3 * near_row);
@@ -58,12 +61,13 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
         hollow += ray.end == RayEnd::behind ? 1 : ray.end == RayEnd::front ? 0.5 : 0.3;
       }
     } else if (distance > beyond && distance < beyond + rim) {
+      // What stands before the rim hides it: hands, or another thing.
+      if (ray.end == RayEnd::front) continue;
       seen[static_cast<std::size_t>(side)] += 1;
       if (ray.end == RayEnd::on) solid[static_cast<std::size_t>(side)] += 1;
-      // What falls away slowly is the neighbouring face of a body, not a free rim.
-      if (ray.end == RayEnd::behind && ray.distance > -2.5 * band)
-        solid[static_cast<std::size_t>(side)] += 0.5;
-      if (ray.end == RayEnd::front) solid[static_cast<std::size_t>(side)] += 0.3;
+      // What falls away as slowly as a body's next face is not a free rim.
+      const bool next_face = ray.end == RayEnd::behind && -ray.distance < 2 * distance;
+      if (next_face) solid[static_cast<std::size_t>(side)] += 0.5;
     }
   }
   evidence.on = static_cast<int>(on);
@@ -78,14 +82,17 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin,
   return evidence;
 }
 
-/// Is the cell beside something that stands before the plane? Its return may be a mixture with it.
-bool beside_front(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
+/// Is the cell beside one that is off the plane? Its own return may be a mixture of both. Judged by the
+/// neighbours, so that it does not depend on the return's own noise.
+bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
   const RingImage& image = context.image;
   const int row = static_cast<int>(cell) / image.columns, column = static_cast<int>(cell) % image.columns;
+  // Where rings lie farther apart than a beam is wide, the next one tells nothing.
+  const bool close_rows = image.range[cell] * image.row_angle[static_cast<std::size_t>(row)] < 0.03f;
   for (const auto& [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
-    if (row + dr < 0 || row + dr >= image.rows) continue;
+    if (row + dr < 0 || row + dr >= image.rows || (dr != 0 && !close_rows)) continue;
     const std::size_t i = image.index(row + dr, image.wrap(column + dc));
-    if (image.range[i] > 0 && plane.distance(image.point[i].cast<double>()) > band) return true;
+    if (image.range[i] > 0 && std::abs(plane.distance(image.point[i].cast<double>())) > band) return true;
   }
   return false;
 }
@@ -100,7 +107,7 @@ std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Pla
   for (const PatchRay& ray : view_patch(context.image, placed.frame, radius, band, SIZE_MAX)) {
     int side = 0;
     if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
-    if (beside_front(context, placed.frame.plane, ray.cell, band)) continue;
+    if (beside_other(context, placed.frame.plane, ray.cell, band)) continue;
     const int row = static_cast<int>(ray.cell) / context.image.columns;
     const int column = static_cast<int>(ray.cell) % context.image.columns;
     for (const std::uint32_t i :
@@ -117,6 +124,11 @@ std::vector<Eigen::Vector3d> points_of(const Scan& scan, const std::vector<std::
   points.reserve(returns.size());
   for (const std::uint32_t i : returns) points.push_back(scan.points[i].cast<double>());
   return points;
+}
+
+/// Not worth a second round: too hollow, or the plane goes on around it.
+bool hopeless(const Evidence& evidence) {
+  return evidence.rows < 2 || evidence.fill < 0.4 || evidence.free < 0.2;
 }
 
 std::string explain(const Evidence& evidence, const BoardCandidate& candidate) {
@@ -144,18 +156,21 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
   // The second round sees the plane of the board's own returns, and its own noise.
   for (int round = 0; round < 2; ++round) {
     const double range = centre.norm();
-    margin = std::clamp(0.7 * range * context.image.column_angle + 0.006, 0.01,
-                        0.15 * std::min(context.width, context.height));
+    // The beam's footprint and what the rectangle's place is uncertain by.
+    const double gap = std::max<double>(context.image.column_angle,
+                                        std::min(row_angle_at(context, region.cells.front()), 0.015));
+    margin = std::clamp(0.5 * range * gap + 0.01, 0.015, 0.15 * std::min(context.width, context.height));
     placed = place_rectangle(context, fit.plane, centre, (round == 0 ? 0.95 : 0.8) * diagonal, band);
     returns = returns_inside(context, *placed, margin, band);
     if (returns.size() < 8) return std::nullopt;
+    if (round == 0 && hopeless(weigh(context, *placed, margin))) return std::nullopt;
     points = points_of(context.scan, returns);
     fit = fit_ranges(points, placed->frame.plane);
     centre = centre_of(*placed);
     const double facing = std::abs(fit.plane.normal.dot(centre.normalized()));
     band = std::clamp(4 * fit.sigma * facing, 0.015, 0.09);
   }
-  const Evidence evidence = weigh(context, *placed, margin, band);
+  const Evidence evidence = weigh(context, *placed, margin);
   if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;
   BoardCandidate candidate;
   candidate.plane = fit.plane;
@@ -165,7 +180,7 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
   const double smooth = std::min(1.0, 1.6 * context.noise / std::max(fit.rms, 1e-4));
   const auto count = static_cast<double>(candidate.returns.size());
   candidate.score = evidence.fill * evidence.fill * evidence.free * (0.5 + 0.5 * evidence.least_free) *
-                    std::sqrt(smooth) * count / (count + 10);
+                    smooth * count / (count + 25);
   candidate.why = explain(evidence, candidate);
   return candidate;
 }

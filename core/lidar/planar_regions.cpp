@@ -1,6 +1,7 @@
 #include "core/lidar/planar_regions.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <optional>
 
@@ -15,9 +16,7 @@ constexpr std::uint8_t kClosed = 2, kWall = 3;
 /// The largest power of two that is not over x; 1 below that. Powers of two keep the lattices of near and
 /// far surfaces nested, so that a surface visited coarsely is not visited again by finer seeds.
 int power_of_two_below(float x) {
-  int power = 1;
-  while (static_cast<float>(2 * power) <= x && power < 64) power *= 2;
-  return power;
+  return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(x, 1.0f, 64.0f))));
 }
 
 class RegionGrower {
@@ -28,7 +27,9 @@ class RegionGrower {
         diagonal_(std::hypot(width, height)),
         board_area_(width * height),
         claims_(image.range.size(), 0),
-        stamps_(image.range.size(), 0) {}
+        stamps_(image.range.size(), 0) {
+    for (const float slope : image.slope) cosine_.push_back(1 / std::sqrt(1 + slope * slope));
+  }
 
   PlanarRegions run() {
     PlanarRegions out;
@@ -135,7 +136,7 @@ class RegionGrower {
       const int rows = row_step(row, range), columns = column_step(range);
       const float facing = std::max(0.1f, plane.offset / range);  // cosine of the incidence
       const float area = row_gap(row, range) * static_cast<float>(rows) * column_gap(range) *
-                         static_cast<float>(columns) * std::hypot(p.x(), p.y()) / (range * facing);
+                         static_cast<float>(columns) * cosine_[static_cast<std::size_t>(row)] / facing;
       // Hands and arms may lead on to the body along the plane: what is farther away than any part of the
       // board counts apart, and does not bend the plane.
       if ((p - start).squaredNorm() > reach) {
@@ -192,6 +193,7 @@ class RegionGrower {
 
   const RingImage& image_;
   float short_side_, diagonal_, board_area_, noise_ = 0;
+  std::vector<float> cosine_;  ///< [row] of the elevation
   std::vector<std::uint8_t> claims_;
   std::vector<std::uint32_t> stamps_;  ///< the region that last visited a cell
   std::uint32_t stamp_ = 0;

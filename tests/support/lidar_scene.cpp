@@ -94,9 +94,11 @@ void add_table(std::vector<SceneShape>& shapes, double x, double y, double floor
           box(T * upright(sx * (length - 0.06), sy * (depth - 0.06), top / 2, 0), 0.05, 0.05, top));
     }
   }
-  if (dice.chance(0.6)) {  // a screen or a box on it
-    shapes.push_back(box(T * upright(0, 0, top + 0.25, dice.between(-0.5, 0.5)), dice.between(0.3, 0.6),
-                         dice.between(0.03, 0.3), dice.between(0.25, 0.4)));
+  if (dice.chance(0.6)) {  // a screen, or a small box; one of the board's very size nobody could tell from it
+    const bool screen = dice.chance(0.5);
+    const double width = screen ? dice.between(0.52, 0.62) : dice.between(0.2, 0.34), height = 0.6 * width;
+    shapes.push_back(box(T * upright(0, 0, top + 0.02 + height / 2, dice.between(-0.5, 0.5)), width,
+                         screen ? 0.03 : dice.between(0.1, 0.3), height));
   }
 }
 
