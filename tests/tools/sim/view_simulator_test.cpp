@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "core/geometry/plane.h"
@@ -166,6 +167,41 @@ TEST(CameraSimulator, CornersAreWhereTheTruthSays) {
   // OpenCV's own model error is a few hundredths of a pixel; half a pixel of shift would be the simulator's.
   EXPECT_LT(mean.norm(), 0.015);
   EXPECT_LT(std::sqrt(square / (2 * count)), 0.06);
+}
+
+TEST(CameraSimulator, PhotometricCornersOfANoisyPictureHaveNoBias) {
+  const Scenario scenario = small_scenario();
+  const ViewSimulator simulator(scenario);
+  const std::vector<Eigen::Vector2d> model = scenario.board.type->corners(scenario.board);
+  for (int id = 1; id <= 2; ++id) {
+    const auto view = simulator.render(id);
+    ASSERT_TRUE(view) << view.error().text();
+    const std::vector<Corner> corners = detect_board(scenario.board, view->images.at("front"));
+    ASSERT_EQ(corners.size(), model.size());
+    // 8 x 6 corners look the same after half a turn: the better of the two numberings counts.
+    double best = std::numeric_limits<double>::max();
+    Eigen::Vector2d bias = Eigen::Vector2d::Zero();
+    for (const double sign : {1.0, -1.0}) {
+      double square = 0;
+      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+      for (const Corner& corner : corners) {
+        const Eigen::Vector2d p = sign * model[static_cast<std::size_t>(corner.id)];
+        const Eigen::Vector2d error =
+            corner.pixel - *scenario.cameras.at("front").camera.project(view->T_sensor_board.at("front") *
+                                                                        Eigen::Vector3d(p.x(), p.y(), 0));
+        square += error.squaredNorm();
+        sum += error;
+      }
+      if (square < best) {
+        best = square;
+        bias = sum / static_cast<double>(corners.size());
+      }
+    }
+    const double rms = std::sqrt(best / (2.0 * static_cast<double>(corners.size())));
+    std::printf("detect_board against truth: mean (%.4f, %.4f) px, rms %.4f px\n", bias.x(), bias.y(), rms);
+    EXPECT_LT(bias.norm(), 0.008);
+    EXPECT_LT(rms, 0.03);
+  }
 }
 
 TEST(LidarSimulator, NoiseFreeReturnsLieOnTheBoard) {
