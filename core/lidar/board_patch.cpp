@@ -11,6 +11,9 @@
 namespace ca2 {
 namespace {
 
+// Rays looked at: most pieces are dismissed at the first look; the second finds the rim to a few millimetres.
+constexpr std::size_t kFirstLook = 600, kSecondLook = 2000;
+
 /// The mean of the points, and then of those within `reach` of it: arms and other leads pull less.
 Eigen::Vector3d dense_centre(const std::vector<Eigen::Vector3d>& points, double reach) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -160,7 +163,8 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
     const double gap = std::max<double>(context.image.column_angle,
                                         std::min(row_angle_at(context, region.cells.front()), 0.015));
     margin = std::clamp(0.5 * range * gap + 0.01, 0.015, 0.15 * std::min(context.width, context.height));
-    placed = place_rectangle(context, fit.plane, centre, (round == 0 ? 0.95 : 0.8) * diagonal, band);
+    placed = place_rectangle(context, fit.plane, centre, (round == 0 ? 0.95 : 0.8) * diagonal, band,
+                             round == 0 ? kFirstLook : kSecondLook);
     returns = returns_inside(context, *placed, margin, band);
     if (returns.size() < 8) return std::nullopt;
     if (round == 0 && hopeless(weigh(context, *placed, margin))) return std::nullopt;

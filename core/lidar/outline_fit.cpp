@@ -4,16 +4,10 @@
 #include <cmath>
 
 namespace ca2 {
-namespace {
-
-constexpr std::size_t kSearchRays = 2000;  // enough for a rim to a few millimetres; the fit's cost is linear
-
-}  // namespace
-
 Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
-                       double radius, double band) {
+                       double radius, double band, std::size_t most) {
   Placed placed{PatchFrame(plane, centre), {}, {}};
-  placed.rays = view_patch(context.image, placed.frame, radius, band, kSearchRays);
+  placed.rays = view_patch(context.image, placed.frame, radius, band, most);
   std::vector<PlaneSample> samples;
   for (const PatchRay& ray : placed.rays) {
     // A ray through the board is worth as much as a return on it; a missing return is weaker (black print),

@@ -28,8 +28,9 @@ struct Placed {
 
 /// The board's rectangle where it covers most returns on the plane and fewest rays through it, among the
 /// rays that meet the plane within `radius` (m) of `centre`. `band`: m, so near the plane is on it.
+/// `most`: about so many rays are looked at; the cost is linear in them.
 Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
-                       double radius, double band);
+                       double radius, double band, std::size_t most = 2000);
 
 /// The rectangle's centre, m, sensor frame.
 Eigen::Vector3d centre_of(const Placed& placed);
