@@ -36,6 +36,7 @@ class UdpReceiver {
   int fd_;
   std::uint16_t port_;
   std::size_t largest_;
+  std::size_t stride_;                      ///< bytes from buffer to buffer
   std::unique_ptr<std::uint8_t[]> buffer_;  ///< not zeroed: pages are taken as datagrams need them
   std::vector<mmsghdr> messages_;
   std::vector<iovec> vectors_;
