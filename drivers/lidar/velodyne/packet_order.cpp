@@ -51,17 +51,13 @@ void VelodynePacketOrder::remember(std::uint32_t stamp) {
 void VelodynePacketOrder::push(const std::uint8_t* packet, std::int64_t host_time, double period,
                                LidarCounters& counters, const Sink& sink) {
   const std::uint32_t stamp = VelodynePacket::timestamp(packet);
-  if (!started_) {
-    restart(packet, host_time, period, false, sink);
-    return;
-  }
-  const std::int64_t since = between(stamp, last_stamp_);
-  if (std::abs(since) >= jump_us || late_run_ > 200) {
+  if (started_ && (std::abs(between(stamp, last_stamp_)) >= jump_us || late_run_ > 200)) {
     flush(counters, sink);
     ++counters.restarts;
-    restart(packet, host_time, period, true, sink);
-    return;
+    jumped_ = true;
   }
+  if (!started_) start_before(stamp);
+  const std::int64_t since = between(stamp, last_stamp_);
   if (since <= 0) {
     ++(seen(stamp) ? counters.duplicates : counters.late);
     // A clock that was set back by less than a second looks like packets that are all late.
@@ -96,31 +92,36 @@ void VelodynePacketOrder::pass_waiting(bool all, LidarCounters& counters, const 
   }
 }
 
+/// As if a packet had been passed on long before: the first ones wait too, for the first to arrive need not
+/// be the first that was sent.
+void VelodynePacketOrder::start_before(std::uint32_t stamp) {
+  started_ = fresh_ = true;
+  late_run_ = 0;
+  stamp_count_ = 0;
+  last_period_ = 0;
+  last_stamp_ = static_cast<std::uint32_t>((stamp + hour_us - jump_us / 2) % hour_us);
+}
+
 void VelodynePacketOrder::pass(const std::uint8_t* packet, std::int64_t host_time, std::int64_t since,
                                double period, LidarCounters& counters, const Sink& sink) {
   for (Waiting& waiting : waiting_) waiting.since -= since;
   last_stamp_ = VelodynePacket::timestamp(packet);
-  device_time_ += since * 1000;
-  double gap = 0;
-  if (!follows(since, last_period_)) {
-    gap = std::max(static_cast<double>(since) * 1e-6 - last_period_, 0.0);
-    counters.missing_packets += static_cast<std::uint64_t>(std::llround(gap / period));
+  remember(last_stamp_);
+  OrderedPacket ordered{packet, 0, host_time, 0, false};
+  if (fresh_) {
+    device_time_ = absolute(last_stamp_, host_time);
+    ordered.restart = jumped_;
+    fresh_ = jumped_ = false;
+  } else {
+    device_time_ += since * 1000;
+    if (!follows(since, last_period_)) {
+      ordered.gap = std::max(static_cast<double>(since) * 1e-6 - last_period_, 0.0);
+      counters.missing_packets += static_cast<std::uint64_t>(std::llround(ordered.gap / period));
+    }
   }
+  ordered.device_time = device_time_;
   last_period_ = period;
-  remember(last_stamp_);
-  sink({packet, device_time_, host_time, gap, false});
-}
-
-void VelodynePacketOrder::restart(const std::uint8_t* packet, std::int64_t host_time, double period,
-                                  bool jumped, const Sink& sink) {
-  started_ = true;
-  late_run_ = 0;
-  last_stamp_ = VelodynePacket::timestamp(packet);
-  last_period_ = period;
-  device_time_ = absolute(last_stamp_, host_time);
-  stamp_count_ = 0;
-  remember(last_stamp_);
-  sink({packet, device_time_, host_time, 0, jumped});
+  sink(ordered);
 }
 
 void VelodynePacketOrder::push_untimed(const std::uint8_t* packet, std::int64_t host_time, double period,

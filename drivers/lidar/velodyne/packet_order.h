@@ -21,8 +21,8 @@ struct OrderedPacket {
 };
 
 /// A packet that follows the last one is passed on at once. One beyond a gap waits until what belongs before
-/// it has come, or until `depth` packets wait. Copies of packets and packets from before what was passed on
-/// are dropped.
+/// it has come, or until `depth` packets wait; so does the first. Copies of packets and packets from before
+/// what was passed on are dropped.
 class VelodynePacketOrder {
  public:
   using Sink = std::function<void(const OrderedPacket&)>;
@@ -47,14 +47,15 @@ class VelodynePacketOrder {
 
   void pass(const std::uint8_t* packet, std::int64_t host_time, std::int64_t since, double period,
             LidarCounters& counters, const Sink& sink);
-  void restart(const std::uint8_t* packet, std::int64_t host_time, double period, bool jumped,
-               const Sink& sink);
+  void start_before(std::uint32_t stamp);
   void pass_waiting(bool all, LidarCounters& counters, const Sink& sink);
   bool seen(std::uint32_t stamp) const;
   void remember(std::uint32_t stamp);
 
   static constexpr std::size_t depth = 8;
   bool started_ = false;
+  bool fresh_ = false;            ///< nothing has been passed on since the start
+  bool jumped_ = false;           ///< the start was a jump of the clock
   std::uint32_t last_stamp_ = 0;  ///< us
   std::int64_t device_time_ = 0;  ///< ns, of the last packet passed on
   double last_period_ = 0;        ///< s that it covers
