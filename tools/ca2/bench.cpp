@@ -1,0 +1,64 @@
+/// `ca2 bench NAME`: runs one of the benchmarks of benches.def.
+#include "tools/ca2/bench.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/ca2/command.h"
+
+namespace ca2 {
+
+#define CA2_BENCH(name, what) Result<int> bench_##name(const BenchOptions& options);
+#include "tools/ca2/benches.def"
+#undef CA2_BENCH
+
+namespace {
+
+struct Bench {
+  const char* name;
+  const char* what;
+  Result<int> (*run)(const BenchOptions&);
+};
+
+const std::vector<Bench>& benches() {
+  static const std::vector<Bench> list{
+#define CA2_BENCH(name, what) {#name, what, bench_##name},
+#include "tools/ca2/benches.def"
+#undef CA2_BENCH
+  };
+  return list;
+}
+
+}  // namespace
+
+CommandBody setup_bench(CLI::App& app) {
+  struct Options {
+    std::string name;
+    BenchOptions bench;
+  };
+  const auto options = std::make_shared<Options>();
+  std::vector<std::string> names;
+  std::string footer = "Benchmarks:\n";
+  for (const Bench& bench : benches()) {
+    names.emplace_back(bench.name);
+    footer += "  " + std::string(bench.name) + "  " + bench.what + "\n";
+  }
+  app.footer(footer);
+  app.add_option("name", options->name, "Which benchmark")->required()->check(CLI::IsMember(names));
+  app.add_option("--data", options->bench.data,
+                 "Directory with recordings of real sensors, to measure on too");
+  app.add_option("--repeats", options->bench.repeats,
+                 "How often each measurement is made (the median counts)")
+      ->check(CLI::Range(1, 1000));
+  app.add_flag("--json", options->bench.json, "Print the table as JSON");
+  return [options]() -> Result<int> {
+    for (const Bench& bench : benches()) {
+      if (options->name == bench.name) return bench.run(options->bench);
+    }
+    return fail(ErrorCode::usage, "", "no benchmark '" + options->name + "'", "see `ca2 bench --help`");
+  };
+}
+
+}  // namespace ca2
