@@ -39,8 +39,7 @@ struct PcapWriter::State {
   std::string source_text = "127.0.0.1";
   IpAddress source = *parse_ip_address("127.0.0.1");
   std::vector<std::uint8_t> frame;
-  std::int64_t flushed =
-      std::numeric_limits<std::int64_t>::min();  ///< time of the datagram last flushed at, ns
+  std::int64_t flushed = 0;  ///< time of the datagram last flushed at, ns
   std::uint64_t datagrams = 0;
   std::uint64_t bytes = file_header_size;
 
