@@ -9,7 +9,7 @@ namespace {
 // Directions come from a few pixels, and lines bend in a fisheye.
 constexpr double least_cosine = 0.96;
 // Saddles looked at round each: bounds the time on texture.
-constexpr int most_visits = 160;
+constexpr int most_visits = 100;
 constexpr int most_rings = 14;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

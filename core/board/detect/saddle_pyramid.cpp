@@ -12,8 +12,8 @@ namespace {
 // Below, everything is noise: at sigma 1.2 px in all, a step of 10 grey values answers with 2.2.
 constexpr double least_strength = 2.0;
 // A board has fewer corners than this by far; the rest is room for texture that outshines it.
-constexpr std::size_t most_peaks[] = {6000, 3000, 1500};
-constexpr std::size_t most_saddles[] = {2500, 1200, 600};
+constexpr std::size_t most_peaks[] = {3500, 1800, 900};
+constexpr std::size_t most_saddles[] = {1400, 700, 400};
 constexpr int level_count = 3;
 constexpr double least_contrast = 10;  // grey values
 constexpr double least_angle = 0.4;    // rad between edges: a square seen at 65 degrees of tilt has more

@@ -127,8 +127,9 @@ class Charuco final : public BoardType {
     std::vector<int> ids;
     cv::aruco::interpolateCornersCharuco(marker_corners, marker_ids, picture, charuco, pixels, ids);
     std::vector<Corner> found;
+    // OpenCV 4.6 answers half a pixel too far down and right (it shifts for its sub-pixel search, not back).
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      found.push_back({ids[i], {pixels[i].x, pixels[i].y}, Eigen::Matrix2d::Identity() * 0.25});
+      found.push_back({ids[i], {pixels[i].x - 0.5, pixels[i].y - 0.5}, Eigen::Matrix2d::Identity() * 0.04});
     }
     return found;
   }

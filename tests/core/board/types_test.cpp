@@ -116,8 +116,7 @@ TEST(Charuco, DrawsWhatTheDetectorReads) {
     const auto found = board.type->find(board, image);
     ASSERT_EQ(found.size(), corners.size());
     for (const Corner& corner : found) {
-      // A drawing without blur is aliased: half a pixel of error is the picture's own.
-      EXPECT_LT((corner.pixel - (middle + corners[static_cast<std::size_t>(corner.id)] * scale)).norm(), 1.0);
+      EXPECT_LT((corner.pixel - (middle + corners[static_cast<std::size_t>(corner.id)] * scale)).norm(), 0.5);
     }
   }
 }
