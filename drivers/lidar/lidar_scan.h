@@ -32,6 +32,10 @@ struct LidarScan {
   std::vector<ClockSample> clock;  ///< one per packet, in the order of arrival
 };
 
+/// May take the scan; what it leaves, the decoder uses again.
 using LidarSink = std::function<void(LidarScan&&)>;
+
+/// Empties a scan but keeps its memory, which the system hands out slowly.
+void reuse(LidarScan& scan);
 
 }  // namespace ca2

@@ -54,14 +54,15 @@ void OusterDecoder::flush(LidarCounters& counters, const LidarSink& sink) {
   assembler_.flush(counters, [&](const OusterFrame& frame) { give_out(frame, sink); });
 }
 
-void OusterDecoder::give_out(const OusterFrame& frame, const LidarSink& sink) const {
+void OusterDecoder::give_out(const OusterFrame& frame, const LidarSink& sink) {
   if (options_.frame_sink) options_.frame_sink(frame);
-  LidarScan out = make_scan(frame, geometry_, options_.second_returns, options_.exact);
-  out.frame_id = frame.frame_id;
-  out.complete = frame.missing_packets == 0;
-  out.missing_packets = frame.missing_packets;
-  out.clock = frame.clock;
-  sink(std::move(out));
+  reuse(scan_);
+  make_scan(frame, geometry_, options_.second_returns, options_.exact, scan_);
+  scan_.frame_id = frame.frame_id;
+  scan_.complete = frame.missing_packets == 0;
+  scan_.missing_packets = frame.missing_packets;
+  scan_.clock = frame.clock;
+  sink(std::move(scan_));
 }
 
 }  // namespace ca2

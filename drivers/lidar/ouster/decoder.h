@@ -25,7 +25,7 @@ class OusterDecoder : public PacketDecoder {
 
  private:
   bool ours(const OusterPacketHeader& header, LidarCounters& counters) const;
-  void give_out(const OusterFrame& frame, const LidarSink& sink) const;
+  void give_out(const OusterFrame& frame, const LidarSink& sink);
 
   OusterFormat format_;
   std::uint32_t init_id_;
@@ -33,6 +33,7 @@ class OusterDecoder : public PacketDecoder {
   OusterGeometry geometry_;
   OusterOptions options_;
   OusterFrameAssembler assembler_;
+  LidarScan scan_;
 };
 
 }  // namespace ca2

@@ -32,8 +32,8 @@ struct OusterFrame {
 /// The returns of a frame as points. Order: by column, then row, then return (the strongest first, as the
 /// sensor is set up by default). Intensity is the calibrated reflectivity, which every profile has; time is
 /// the column's, on the sensor's clock.
-/// Sets `scan` and, when asked for, `exact` of the result.
-LidarScan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns,
-                    bool exact);
+/// Sets `scan` and, when asked for, `exact` of `out`, which is empty (reuse).
+void make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns, bool exact,
+               LidarScan& out);
 
 }  // namespace ca2

@@ -10,10 +10,15 @@ constexpr int hold = 8;
 /// Frames under way at most.
 constexpr std::size_t most_slots = 3;
 
+/// Everything about the field is in registers: what is written might otherwise alias it. Reads 4 bytes, which
+/// may reach past a pixel but never past the packet.
 template <class T>
 void decode_field(const OusterField& field, const std::uint8_t* pixels, int stride, int rows, T* out) {
-  for (int row = 0; row < rows; ++row) {
-    out[row] = static_cast<T>(read_field(field, pixels + static_cast<std::ptrdiff_t>(row) * stride));
+  const std::uint8_t* at = pixels + field.bit / 8;
+  const int low = field.bit % 8, shift = field.shift;
+  const std::uint32_t mask = (1u << field.width) - 1;
+  for (int row = 0; row < rows; ++row, at += stride) {
+    out[row] = static_cast<T>((load<std::uint32_t>(at) >> low & mask) << shift);
   }
 }
 

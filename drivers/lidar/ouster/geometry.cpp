@@ -15,13 +15,13 @@ OusterGeometry make_ouster_geometry(const OusterMetadata& metadata) {
   out.origin_range = out.origin_z == 0 ? out.origin_x : std::hypot(out.origin_x, out.origin_z);
   out.t = metadata.lidar_to_sensor.topRightCorner<3, 1>() * mm;
 
-  out.rows.reserve(metadata.altitude.size());
-  for (std::size_t row = 0; row < metadata.altitude.size(); ++row) {
-    const double altitude = metadata.altitude[row] * radian;
-    const double azimuth = -metadata.azimuth[row] * radian;
-    out.rows.push_back(
-        {std::cos(altitude) * std::cos(azimuth), std::cos(altitude) * std::sin(azimuth), std::sin(altitude)});
-  }
+  const Eigen::Map<const Eigen::ArrayXd> altitude(metadata.altitude.data(),
+                                                  static_cast<Eigen::Index>(metadata.altitude.size()));
+  const Eigen::Map<const Eigen::ArrayXd> azimuth(metadata.azimuth.data(),
+                                                 static_cast<Eigen::Index>(metadata.azimuth.size()));
+  out.a = (altitude * radian).cos() * (azimuth * radian).cos();
+  out.b = -(altitude * radian).cos() * (azimuth * radian).sin();
+  out.c = (altitude * radian).sin();
   const Eigen::Matrix3d R = metadata.lidar_to_sensor.topLeftCorner<3, 3>();
   out.columns.reserve(static_cast<std::size_t>(metadata.columns_per_frame));
   for (int column = 0; column < metadata.columns_per_frame; ++column) {

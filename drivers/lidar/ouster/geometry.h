@@ -12,25 +12,22 @@ namespace ca2 {
 /// what depends on the column. With p = range - beam origin distance, row (a, b, c) and column (M, t):
 ///   point = M * (p * a + n_x, p * b, p * c + n_z) + t     [m, sensor frame]
 struct OusterGeometry {
-  /// Of a row, with the angles of its beam relative to the encoder.
-  struct Row {
-    double a, b, c;  ///< cos(altitude) cos(azimuth), cos(altitude) sin(azimuth), sin(altitude)
-  };
   /// Of a column: rotation by the encoder, then lidar_to_sensor.
   struct Column {
     Eigen::Matrix3d M;
   };
-  std::vector<Row> rows;
+  /// Of rows, with the angles of their beams relative to the encoder: cos(altitude) cos(azimuth),
+  /// cos(altitude) sin(azimuth), sin(altitude).
+  Eigen::ArrayXd a, b, c;
   std::vector<Column> columns;
   Eigen::Vector3d t = Eigen::Vector3d::Zero();  ///< m
   double origin_x = 0, origin_z = 0;            ///< m, beam origin
   double origin_range = 0;                      ///< m, subtracted from every range
 
   Eigen::Vector3d point(int row, int column, double range) const {
-    const Row& r = rows[static_cast<std::size_t>(row)];
     const double p = range - origin_range;
     return columns[static_cast<std::size_t>(column)].M *
-               Eigen::Vector3d(p * r.a + origin_x, p * r.b, p * r.c + origin_z) +
+               Eigen::Vector3d(p * a[row] + origin_x, p * b[row], p * c[row] + origin_z) +
            t;
   }
 };

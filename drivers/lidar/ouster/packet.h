@@ -55,10 +55,4 @@ OusterPacketHeader read_ouster_header(const OusterFormat& format, std::span<cons
 /// carry a constant instead, LEGACY packets nothing.
 bool ouster_checksum_fits(const OusterFormat& format, std::span<const std::uint8_t> packet);
 
-/// One field of a pixel. Reads 4 bytes, which may reach past the pixel but never past the packet.
-inline std::uint32_t read_field(const OusterField& field, const std::uint8_t* pixel) {
-  const std::uint32_t bits = load<std::uint32_t>(pixel + field.bit / 8) >> (field.bit % 8);
-  return (bits & ((1u << field.width) - 1)) << field.shift;
-}
-
 }  // namespace ca2

@@ -8,7 +8,7 @@ namespace {
 /// The returns of one column, gathered on the stack: appending them to the scan at once writes its memory
 /// only once, where growing it first would write it twice.
 struct Chunk {
-  static constexpr std::size_t capacity = 1024;
+  static constexpr std::size_t capacity = 1024;  // two returns of the most rows metadata may have
   std::array<Eigen::Vector3f, capacity> points;
   std::array<float, capacity> intensity, range;
   std::array<std::uint16_t, capacity> ring;
@@ -26,31 +26,44 @@ struct Chunk {
   }
 };
 
-/// Computes in double, rounds to float at the end. Points of range 0 are written too and then overwritten:
-/// cheaper than a branch that is taken at random.
+/// Points of one column and return, all rows: computed in double, rounded to float at the end. Rows without
+/// a return are computed too, which is cheaper than a branch taken at random.
+struct ColumnPoints {
+  Eigen::ArrayXf x, y, z, range;
+
+  void compute(const OusterFrame& frame, const OusterGeometry& geometry, int ret, std::size_t column) {
+    using Millimetres = Eigen::Array<std::uint32_t, Eigen::Dynamic, 1>;
+    const std::size_t first = column * static_cast<std::size_t>(frame.rows);
+    const Eigen::Map<const Millimetres> mm(&frame.range[ret][first], frame.rows);
+    const Eigen::Matrix3d& M = geometry.columns[column].M;
+    const Eigen::Vector3d base = geometry.t + M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z);
+    metres_ = mm.cast<std::int32_t>().cast<double>() *
+              1e-3;  // at most 20 bits: the signed conversion is the fast one
+    p_ = metres_ - geometry.origin_range;
+    x = (p_ * (M(0, 0) * geometry.a + M(0, 1) * geometry.b + M(0, 2) * geometry.c) + base.x()).cast<float>();
+    y = (p_ * (M(1, 0) * geometry.a + M(1, 1) * geometry.b + M(1, 2) * geometry.c) + base.y()).cast<float>();
+    z = (p_ * (M(2, 0) * geometry.a + M(2, 1) * geometry.b + M(2, 2) * geometry.c) + base.z()).cast<float>();
+    range = metres_.cast<float>();
+  }
+
+ private:
+  Eigen::ArrayXd metres_, p_;
+};
+
 template <int returns>
-void convert_column(const OusterFrame& frame, const OusterGeometry& geometry, std::size_t column,
-                    Chunk& chunk) {
+void gather_column(const OusterFrame& frame, std::size_t column, const std::array<ColumnPoints, 2>& points,
+                   Chunk& chunk) {
   const std::size_t first = column * static_cast<std::size_t>(frame.rows);
-  const Eigen::Matrix3d& M = geometry.columns[column].M;
-  const Eigen::Vector3d base = geometry.t + M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z);
   std::size_t n = 0;
   for (int row = 0; row < frame.rows; ++row) {
-    const OusterGeometry::Row& r = geometry.rows[static_cast<std::size_t>(row)];
-    const double x = M(0, 0) * r.a + M(0, 1) * r.b + M(0, 2) * r.c;
-    const double y = M(1, 0) * r.a + M(1, 1) * r.b + M(1, 2) * r.c;
-    const double z = M(2, 0) * r.a + M(2, 1) * r.b + M(2, 2) * r.c;
     for (int i = 0; i < returns; ++i) {
-      const std::uint32_t mm = frame.range[i][first + static_cast<std::size_t>(row)];
-      const double range = mm * 1e-3;
-      const double p = range - geometry.origin_range;
-      chunk.points[n] =
-          Eigen::Vector3f(static_cast<float>(p * x + base.x()), static_cast<float>(p * y + base.y()),
-                          static_cast<float>(p * z + base.z()));
-      chunk.range[n] = static_cast<float>(range);
-      chunk.intensity[n] = frame.reflectivity[i][first + static_cast<std::size_t>(row)];
+      const ColumnPoints& p = points[i];
+      const std::size_t at = first + static_cast<std::size_t>(row);
+      chunk.points[n] = Eigen::Vector3f(p.x[row], p.y[row], p.z[row]);
+      chunk.range[n] = p.range[row];
+      chunk.intensity[n] = frame.reflectivity[i][at];
       chunk.ring[n] = static_cast<std::uint16_t>(row);
-      n += mm != 0;
+      n += frame.range[i][at] != 0;
     }
   }
   chunk.size = n;
@@ -71,12 +84,11 @@ void add_exact(const OusterFrame& frame, const OusterGeometry& geometry, bool du
 
 }  // namespace
 
-LidarScan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns,
-                    bool exact) {
+void make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns, bool exact,
+               LidarScan& out) {
   const bool dual = second_returns && !frame.range[1].empty();
   const std::size_t capacity =
       static_cast<std::size_t>(frame.rows) * static_cast<std::size_t>(frame.columns) * (dual ? 2 : 1);
-  LidarScan out;
   Scan& scan = out.scan;
   scan.rings = frame.rows;
   scan.columns = frame.columns;
@@ -87,18 +99,20 @@ LidarScan make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bo
   scan.column.reserve(capacity);
   scan.time.reserve(capacity);
   Chunk chunk;
+  std::array<ColumnPoints, 2> points;
   for (std::size_t column = 0; column < frame.status.size(); ++column) {
     if (frame.status[column] == 0) continue;
+    points[0].compute(frame, geometry, 0, column);
     if (dual) {
-      convert_column<2>(frame, geometry, column, chunk);
+      points[1].compute(frame, geometry, 1, column);
+      gather_column<2>(frame, column, points, chunk);
     } else {
-      convert_column<1>(frame, geometry, column, chunk);
+      gather_column<1>(frame, column, points, chunk);
     }
     chunk.append_to(scan, static_cast<std::uint32_t>(column),
                     static_cast<std::int64_t>(frame.timestamp[column]));
   }
   if (exact) add_exact(frame, geometry, dual, out.exact);
-  return out;
 }
 
 }  // namespace ca2

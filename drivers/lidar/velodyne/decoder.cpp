@@ -150,23 +150,25 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
 }
 
 void VelodyneDecoder::give_out(LidarCounters& counters, const LidarSink& sink, bool whole) {
-  LidarScan scan = std::move(scan_);
-  scan_ = LidarScan();
-  if (scan.scan.columns == 0) return;
+  if (scan_.scan.columns == 0) {
+    reuse(scan_);
+    return;
+  }
+  scan_.scan.rings = projection_->rings();
+  scan_.frame_id = scan_count_++;
+  scan_.complete = whole && begun_at_cut_ && scan_.missing_packets == 0;
+  ++counters.frames;
+  if (!scan_.complete) ++counters.incomplete_frames;
   // The next revolution is about as large as this one.
-  const std::size_t room = scan.scan.size() + scan.scan.size() / 8;
+  const std::size_t room = scan_.scan.size() + scan_.scan.size() / 8;
+  sink(std::move(scan_));
+  reuse(scan_);
   scan_.scan.points.reserve(room);
   scan_.scan.intensity.reserve(room);
   scan_.scan.range.reserve(room);
   scan_.scan.ring.reserve(room);
   scan_.scan.column.reserve(room);
   scan_.scan.time.reserve(room);
-  scan.scan.rings = projection_->rings();
-  scan.frame_id = scan_count_++;
-  scan.complete = whole && begun_at_cut_ && scan.missing_packets == 0;
-  ++counters.frames;
-  if (!scan.complete) ++counters.incomplete_frames;
-  sink(std::move(scan));
 }
 
 }  // namespace ca2

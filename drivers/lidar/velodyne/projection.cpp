@@ -42,123 +42,147 @@ void VelodyneReturns::append_to(LidarScan& out, std::uint32_t column, bool with_
 VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const VelodyneCalibration& calibration,
                                        bool two_point)
     : lsb_(model.distance_lsb), per_block_(model.firings_per_block()) {
-  const std::vector<int> rings = velodyne_rings(calibration);
-  for (std::size_t id = 0; id < calibration.lasers.size(); ++id) {
-    const VelodyneLaser& in = calibration.lasers[id];
-    Laser laser;
-    laser.cos_vertical = std::cos(in.vertical);
-    laser.sin_vertical = std::sin(in.vertical);
-    laser.cos_rotation = std::cos(-in.rotation);
-    laser.sin_rotation = std::sin(-in.rotation);
-    laser.distance = in.distance;
-    laser.vertical_offset = in.vertical_offset;
-    laser.horizontal_offset = in.horizontal_offset;
-    laser.firing = model.firing[id] / model.cycle;
-    laser.focal = 256 * std::pow(1 - in.focal_distance / 131.0, 2);
-    laser.focal_slope = in.focal_slope;
-    laser.min_intensity = static_cast<float>(in.min_intensity);
-    laser.max_intensity = static_cast<float>(in.max_intensity);
-    laser.near_x = in.distance_x;
-    laser.near_y = in.distance_y;
-    laser.two_point = two_point && in.distance_x != 0 && in.distance_y != 0;
-    laser.ring = static_cast<std::uint16_t>(rings[id]);
-    lasers_.push_back(laser);
+  const auto n = static_cast<Eigen::Index>(calibration.lasers.size());
+  for (Eigen::ArrayXd* field : {&cos_vertical_, &sin_vertical_, &cos_rotation_, &sin_rotation_, &distance_,
+                                &vertical_offset_, &horizontal_offset_, &near_x_, &near_y_, &firing_, &focal_,
+                                &focal_slope_, &min_intensity_, &max_intensity_}) {
+    field->resize(n);
+  }
+  for (Eigen::Index id = 0; id < n; ++id) {
+    const VelodyneLaser& in = calibration.lasers[static_cast<std::size_t>(id)];
+    cos_vertical_[id] = std::cos(in.vertical);
+    sin_vertical_[id] = std::sin(in.vertical);
+    cos_rotation_[id] = std::cos(-in.rotation);
+    sin_rotation_[id] = std::sin(-in.rotation);
+    distance_[id] = in.distance;
+    vertical_offset_[id] = in.vertical_offset;
+    horizontal_offset_[id] = in.horizontal_offset;
+    near_x_[id] = in.distance_x;
+    near_y_[id] = in.distance_y;
+    firing_[id] = model.firing[static_cast<std::size_t>(id)] / model.cycle;
+    focal_[id] = 256 * std::pow(1 - in.focal_distance / 131.0, 2);
+    focal_slope_[id] = in.focal_slope;
+    min_intensity_[id] = in.min_intensity;
+    max_intensity_[id] = std::max(in.min_intensity, in.max_intensity);
+    two_point_ = two_point_ || (two_point && in.distance_x != 0 && in.distance_y != 0);
     corrected_intensity_ =
         corrected_intensity_ || in.focal_slope != 0 || in.min_intensity != 0 || in.max_intensity != 255;
   }
-  firing_time_.resize(lasers_.size());
+  for (const int ring : velodyne_rings(calibration)) ring_.push_back(static_cast<std::uint16_t>(ring));
+  firing_time_.resize(ring_.size());
   set_cycle(model.cycle);
 }
 
 void VelodyneProjection::set_cycle(double cycle) {
   if (cycle == cycle_) return;
   cycle_ = cycle;
-  for (std::size_t id = 0; id < lasers_.size(); ++id) {
-    firing_time_[id] = std::llround(lasers_[id].firing * cycle * 1e9);
+  for (std::size_t id = 0; id < firing_time_.size(); ++id) {
+    firing_time_[id] = std::llround(firing_[static_cast<Eigen::Index>(id)] * cycle * 1e9);
   }
 }
 
-const VelodyneProjection::Turn* VelodyneProjection::turns(double step, int half) {
+const VelodyneProjection::Motion& VelodyneProjection::motion(double step) {
   // Means over 11 steps: neighbouring values fall into neighbouring places.
   Motion& motion = motions_[static_cast<std::uint64_t>(std::llround(step * 11)) % motions_.size()];
-  if (motion.step != step || motion.turns.empty()) {
+  if (motion.step != step || motion.sine[0].size() == 0) {
     motion.step = step;
-    motion.turns.clear();
-    for (int h = 0; h < per_block_; ++h) {
-      for (const Laser& laser : lasers_) {
-        const double turned = step * centidegree * (h + laser.firing) / per_block_;
-        const double s = std::sin(turned), c = std::cos(turned);
-        motion.turns.push_back({laser.sin_rotation * c + laser.cos_rotation * s,
-                                laser.cos_rotation * c - laser.sin_rotation * s});
-      }
+    for (int half = 0; half < per_block_; ++half) {
+      const Eigen::ArrayXd turned = step * centidegree / per_block_ * (firing_ + half);
+      motion.sine[half] = sin_rotation_ * turned.cos() + cos_rotation_ * turned.sin();
+      motion.cosine[half] = cos_rotation_ * turned.cos() - sin_rotation_ * turned.sin();
     }
   }
-  return motion.turns.data() + static_cast<std::size_t>(half) * lasers_.size();
+  return motion;
 }
 
-inline void VelodyneProjection::project_one(const Laser& laser, const Turn& turn, const Turn& head,
-                                            int counts, int intensity, std::int64_t time,
-                                            VelodyneReturns& out) const {
-  const double measured = counts * lsb_;
-  const double sine = head.sine * turn.cosine + head.cosine * turn.sine;
-  const double cosine = head.cosine * turn.cosine - head.sine * turn.sine;
-  const double h = laser.horizontal_offset;
-  const double range = measured + laser.distance;
-  double flat_x = range * laser.cos_vertical, flat_y = flat_x;
-  if (laser.two_point && range < far_point) {
-    const double x = std::abs(flat_x * sine - h * cosine), y = std::abs(flat_y * cosine + h * sine);
-    const double dx = (laser.distance - laser.near_x) * (x - near_point_x) / (far_point - near_point_x);
-    const double dy = (laser.distance - laser.near_y) * (y - near_point_y) / (far_point - near_point_y);
-    flat_x = (measured + laser.near_x + dx) * laser.cos_vertical;
-    flat_y = (measured + laser.near_y + dy) * laser.cos_vertical;
+/// The manual's near-point correction of x and y, where the calibration has one (HDL-64E).
+void VelodyneProjection::correct_near(int first, const Lanes& sine, const Lanes& cosine,
+                                      BlockReturns& out) const {
+  for (Eigen::Index i = 0; i < out.range.size(); ++i) {
+    const Eigen::Index id = first + i;
+    if (near_x_[id] == 0 || near_y_[id] == 0 || out.range[i] >= far_point) continue;
+    const double dx =
+        (distance_[id] - near_x_[id]) * (std::abs(out.x[i]) - near_point_x) / (far_point - near_point_x);
+    const double dy =
+        (distance_[id] - near_y_[id]) * (std::abs(out.y[i]) - near_point_y) / (far_point - near_point_y);
+    const double measured = out.range[i] - distance_[id];
+    out.x[i] =
+        (measured + near_x_[id] + dx) * cos_vertical_[id] * sine[i] - horizontal_offset_[id] * cosine[i];
+    out.y[i] =
+        (measured + near_y_[id] + dy) * cos_vertical_[id] * cosine[i] + horizontal_offset_[id] * sine[i];
   }
-  const std::size_t n = out.size;
-  const Eigen::Vector3d point(flat_x * sine - h * cosine, flat_y * cosine + h * sine,
-                              range * laser.sin_vertical + laser.vertical_offset);
-  out.exact[n] = {point, range};
-  out.points[n] = point.cast<float>();
-  out.range[n] = static_cast<float>(range);
-  out.ring[n] = laser.ring;
-  out.time[n] = time;
-  float value = static_cast<float>(intensity);
+}
+
+void VelodyneProjection::project_block(const std::uint8_t* block, int bank, const VelodyneFiring& firing,
+                                       BlockReturns& out) {
+  using P = VelodynePacket;
+  const int lasers = rings();
+  const int n = std::min(lasers, P::channels);
+  const int first = bank * P::channels;
+  const int offset = lasers < P::channels ? firing.half * lasers : 0;
+  out.counts.resize(n);
+  out.intensity.resize(n);
+  for (int i = 0; i < n; ++i) {
+    out.counts[i] = P::distance(block, offset + i);
+    out.intensity[i] = P::intensity(block, offset + i);
+  }
+  const auto& [head_sine, head_cosine] = head_table()[static_cast<std::size_t>(firing.azimuth)];
+  const Motion& m = motion(firing.step[static_cast<std::size_t>(bank)]);
+  const auto turn_sine = m.sine[firing.half].segment(first, n);
+  const auto turn_cosine = m.cosine[firing.half].segment(first, n);
+  const Lanes sine = head_sine * turn_cosine + head_cosine * turn_sine;
+  const Lanes cosine = head_cosine * turn_cosine - head_sine * turn_sine;
+  const auto h = horizontal_offset_.segment(first, n);
+  out.range = out.counts * lsb_ + distance_.segment(first, n);
+  const Lanes flat = out.range * cos_vertical_.segment(first, n);
+  out.x = flat * sine - h * cosine;
+  out.y = flat * cosine + h * sine;
+  out.z = out.range * sin_vertical_.segment(first, n) + vertical_offset_.segment(first, n);
+  if (two_point_) correct_near(first, sine, cosine, out);
   if (corrected_intensity_) {
-    const double far = 256 * std::pow(1 - counts / 65535.0, 2);
-    value += static_cast<float>(laser.focal_slope * std::abs(laser.focal - far));
-    value = std::clamp(value, laser.min_intensity, std::max(laser.min_intensity, laser.max_intensity));
+    const auto far = 256 * (1 - out.counts / 65535.0).square();
+    const Lanes corrected =
+        out.intensity + focal_slope_.segment(first, n) * (focal_.segment(first, n) - far).abs();
+    out.intensity = corrected.max(min_intensity_.segment(first, n)).min(max_intensity_.segment(first, n));
   }
-  out.intensity[n] = value;
-  out.size = n + (counts != 0);
 }
 
 void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time, bool second_returns,
                                  VelodyneReturns& out) {
   using P = VelodynePacket;
-  const auto& [head_sine, head_cosine] = head_table()[static_cast<std::size_t>(firing.azimuth)];
-  const Turn head{head_sine, head_cosine};
   const std::int64_t start = time + std::llround(firing.cycle * cycle_ * 1e9);
-  const int lasers = static_cast<int>(lasers_.size());
-  const int channels = std::min(lasers, P::channels);
-  const int banks = (lasers + P::channels - 1) / P::channels;
+  const int banks = (rings() + P::channels - 1) / P::channels;
   out.size = 0;
+  BlockReturns returns[2];
   for (int bank = 0; bank < banks; ++bank) {
     const std::uint8_t* first = firing.blocks[0][static_cast<std::size_t>(bank)];
     const std::uint8_t* second = firing.blocks[1][static_cast<std::size_t>(bank)];
     if (!first) std::swap(first, second);
     if (!first) continue;
-    const Turn* turn = turns(firing.step[static_cast<std::size_t>(bank)], firing.half);
-    for (int channel = 0; channel < channels; ++channel) {
-      const auto id = static_cast<std::size_t>(bank * P::channels + channel);
-      const int at = firing.half * lasers * (lasers < P::channels) + channel;
-      const std::int64_t when = start + firing_time_[id];
-      const int counts = P::distance(first, at);
-      project_one(lasers_[id], turn[id], head, counts, P::intensity(first, at), when, out);
+    project_block(first, bank, firing, returns[0]);
+    if (second) project_block(second, bank, firing, returns[1]);
+    std::size_t n = out.size;
+    for (Eigen::Index i = 0; i < returns[0].counts.size(); ++i) {
+      const auto id = static_cast<std::size_t>(bank * P::channels + i);
+      // Written in any case and kept if it is a return: cheaper than a branch taken at random.
+      const auto keep = [&](const BlockReturns& r, bool wanted) {
+        out.points[n] = Eigen::Vector3f(static_cast<float>(r.x[i]), static_cast<float>(r.y[i]),
+                                        static_cast<float>(r.z[i]));
+        out.exact[n] = {{r.x[i], r.y[i], r.z[i]}, r.range[i]};
+        out.range[n] = static_cast<float>(r.range[i]);
+        out.intensity[n] = static_cast<float>(r.intensity[i]);
+        out.ring[n] = ring_[id];
+        out.time[n] = start + firing_time_[id];
+        n += wanted;
+      };
+      const double counts = returns[0].counts[i];
+      keep(returns[0], counts != 0);
       if (!second) continue;
       // Equal blocks mean that there was one return only.
-      const int other = P::distance(second, at);
-      if (other != counts && (second_returns || counts == 0)) {
-        project_one(lasers_[id], turn[id], head, other, P::intensity(second, at), when, out);
-      }
+      const double other = returns[1].counts[i];
+      keep(returns[1], other != 0 && other != counts && (second_returns || counts == 0));
     }
+    out.size = n;
   }
 }
 

@@ -12,7 +12,7 @@ namespace ca2 {
 
 /// Returns of one firing, gathered before they are appended to a scan.
 struct VelodyneReturns {
-  static constexpr std::size_t capacity = 256;
+  static constexpr std::size_t capacity = 2 * 128;
   std::array<Eigen::Vector3f, capacity> points;
   std::array<float, capacity> intensity, range;
   std::array<std::uint16_t, capacity> ring;
@@ -38,43 +38,41 @@ class VelodyneProjection {
   /// of 0 leaves all lasers at the block's azimuth.
   void project(const VelodyneFiring& firing, std::int64_t time, bool second_returns, VelodyneReturns& out);
 
-  int rings() const { return static_cast<int>(lasers_.size()); }
+  int rings() const { return static_cast<int>(ring_.size()); }
 
  private:
-  struct Laser {
-    double cos_vertical, sin_vertical;
-    double cos_rotation, sin_rotation;                    ///< of minus the rotation
-    double distance, vertical_offset, horizontal_offset;  ///< m
-    double firing;                                        ///< in cycles after the firing's start
-    double focal, focal_slope;                            ///< focal: 256 (1 - focal distance / 131 m)^2
-    float min_intensity, max_intensity;
-    double near_x, near_y;  ///< m, correction to x at 2.40 m and y at 1.93 m
-    bool two_point;
-    std::uint16_t ring;
+  /// Numbers of the lasers of one bank.
+  using Lanes = Eigen::Array<double, Eigen::Dynamic, 1, 0, VelodynePacket::channels, 1>;
+  /// The returns in a block.
+  struct BlockReturns {
+    Lanes counts, range, x, y, z, intensity;
   };
-  /// Sine and cosine of a laser's azimuth relative to the block's.
-  struct Turn {
-    double sine, cosine;
-  };
-
-  void project_one(const Laser& laser, const Turn& turn, const Turn& head, int counts, int intensity,
-                   std::int64_t time, VelodyneReturns& out) const;
-
-  std::vector<Laser> lasers_;
-  double lsb_;
-  bool corrected_intensity_ = false;
-  double cycle_ = 0;
-  std::vector<std::int64_t> firing_time_;  ///< ns after the firing's start, by laser
-
-  /// Turns at one step of the azimuth, by half and laser. The steps of a spinning head are a handful of
-  /// numbers, so the last ones are kept.
+  /// Sine and cosine of the lasers' azimuths relative to the block's, at one step of the azimuth, by half and
+  /// laser. The steps of a spinning head are a handful of numbers, so the last ones are kept.
   struct Motion {
     double step = 0;
-    std::vector<Turn> turns;
+    Eigen::ArrayXd sine[2], cosine[2];
   };
-  const Turn* turns(double step, int half);
 
-  int per_block_;                   ///< firings to a block
+  const Motion& motion(double step);
+  void project_block(const std::uint8_t* block, int bank, const VelodyneFiring& firing, BlockReturns& out);
+  void correct_near(int first, const Lanes& sine, const Lanes& cosine, BlockReturns& out) const;
+
+  // By laser.
+  Eigen::ArrayXd cos_vertical_, sin_vertical_;
+  Eigen::ArrayXd cos_rotation_, sin_rotation_;                     ///< of minus the rotation
+  Eigen::ArrayXd distance_, vertical_offset_, horizontal_offset_;  ///< m
+  Eigen::ArrayXd near_x_, near_y_;      ///< m, distance corrections at the near points
+  Eigen::ArrayXd firing_;               ///< in cycles after the firing's start
+  Eigen::ArrayXd focal_, focal_slope_;  ///< focal: 256 (1 - focal distance / 131 m)^2
+  Eigen::ArrayXd min_intensity_, max_intensity_;
+  std::vector<std::uint16_t> ring_;
+  std::vector<std::int64_t> firing_time_;  ///< ns after the firing's start
+
+  double lsb_;     ///< m per count
+  int per_block_;  ///< firings to a block
+  bool two_point_ = false, corrected_intensity_ = false;
+  double cycle_ = 0;                ///< s
   std::array<Motion, 64> motions_;  ///< by a hash of the step
 };
 
