@@ -23,7 +23,12 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneModel& model,
       cutter_(options.cut_azimuth),
       cycle_(model.cycle),
       step_(usual_rate * model.cycle) {
-  if (calibration) projection_.emplace(model_, *calibration, options_.two_point_correction);
+  if (calibration) use(*calibration);
+}
+
+void VelodyneDecoder::use(const VelodyneCalibration& calibration) {
+  projection_.emplace(model_, calibration, options_.two_point_correction);
+  projection_->want_exact(options_.exact);
 }
 
 void VelodyneDecoder::push(const Datagram& datagram, LidarCounters& counters, const LidarSink& sink) {
@@ -83,7 +88,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     if (packet.gap > 0 || packet.restart) streamed_.lost();
     ++counters.waiting_for_calibration;
     if (const auto calibration = streamed_.push(packet.bytes[1204], packet.bytes[1205])) {
-      projection_.emplace(model_, *calibration, options_.two_point_correction);
+      use(*calibration);
     }
     return;
   }

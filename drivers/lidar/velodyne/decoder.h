@@ -30,6 +30,7 @@ class VelodyneDecoder : public PacketDecoder {
   bool ready() const override { return projection_.has_value(); }
 
  private:
+  void use(const VelodyneCalibration& calibration);
   void take(const OrderedPacket& packet, VelodyneLayout layout, LidarCounters& counters,
             const LidarSink& sink);
   void measure_cycle(const OrderedPacket& packet, int cycles);

@@ -168,7 +168,7 @@ void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time
       const auto keep = [&](const BlockReturns& r, bool wanted) {
         out.points[n] = Eigen::Vector3f(static_cast<float>(r.x[i]), static_cast<float>(r.y[i]),
                                         static_cast<float>(r.z[i]));
-        out.exact[n] = {{r.x[i], r.y[i], r.z[i]}, r.range[i]};
+        if (exact_) out.exact[n] = {{r.x[i], r.y[i], r.z[i]}, r.range[i]};
         out.range[n] = static_cast<float>(r.range[i]);
         out.intensity[n] = static_cast<float>(r.intensity[i]);
         out.ring[n] = ring_[id];

@@ -38,6 +38,9 @@ class VelodyneProjection {
   /// of 0 leaves all lasers at the block's azimuth.
   void project(const VelodyneFiring& firing, std::int64_t time, bool second_returns, VelodyneReturns& out);
 
+  /// Fills VelodyneReturns::exact too.
+  void want_exact(bool wanted) { exact_ = wanted; }
+
   int rings() const { return static_cast<int>(ring_.size()); }
 
  private:
@@ -71,7 +74,7 @@ class VelodyneProjection {
 
   double lsb_;     ///< m per count
   int per_block_;  ///< firings to a block
-  bool two_point_ = false, corrected_intensity_ = false;
+  bool exact_ = false, two_point_ = false, corrected_intensity_ = false;
   double cycle_ = 0;                ///< s
   std::array<Motion, 64> motions_;  ///< by a hash of the step
 };
