@@ -26,10 +26,10 @@ struct Chunk {
   }
 };
 
-/// Points of one column and return, all rows: computed in double, rounded to float at the end. Rows without
+/// Points of one column and return, all rows, in double. Rows without
 /// a return are computed too, which is cheaper than a branch taken at random.
 struct ColumnPoints {
-  Eigen::ArrayXf x, y, z, range;
+  Eigen::ArrayXd x, y, z, range;
 
   void compute(const OusterFrame& frame, const OusterGeometry& geometry, int ret, std::size_t column) {
     using Millimetres = Eigen::Array<std::uint32_t, Eigen::Dynamic, 1>;
@@ -37,17 +37,16 @@ struct ColumnPoints {
     const Eigen::Map<const Millimetres> mm(&frame.range[ret][first], frame.rows);
     const Eigen::Matrix3d& M = geometry.columns[column].M;
     const Eigen::Vector3d base = geometry.t + M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z);
-    metres_ = mm.cast<std::int32_t>().cast<double>() *
-              1e-3;  // at most 20 bits: the signed conversion is the fast one
-    p_ = metres_ - geometry.origin_range;
-    x = (p_ * (M(0, 0) * geometry.a + M(0, 1) * geometry.b + M(0, 2) * geometry.c) + base.x()).cast<float>();
-    y = (p_ * (M(1, 0) * geometry.a + M(1, 1) * geometry.b + M(1, 2) * geometry.c) + base.y()).cast<float>();
-    z = (p_ * (M(2, 0) * geometry.a + M(2, 1) * geometry.b + M(2, 2) * geometry.c) + base.z()).cast<float>();
-    range = metres_.cast<float>();
+    range = mm.cast<std::int32_t>().cast<double>() *
+            1e-3;  // at most 20 bits: the signed conversion is the fast one
+    p_ = range - geometry.origin_range;
+    x = (p_ * (M(0, 0) * geometry.a + M(0, 1) * geometry.b + M(0, 2) * geometry.c) + base.x());
+    y = (p_ * (M(1, 0) * geometry.a + M(1, 1) * geometry.b + M(1, 2) * geometry.c) + base.y());
+    z = (p_ * (M(2, 0) * geometry.a + M(2, 1) * geometry.b + M(2, 2) * geometry.c) + base.z());
   }
 
  private:
-  Eigen::ArrayXd metres_, p_;
+  Eigen::ArrayXd p_;
 };
 
 template <int returns>
@@ -59,8 +58,8 @@ void gather_column(const OusterFrame& frame, std::size_t column, const std::arra
     for (int i = 0; i < returns; ++i) {
       const ColumnPoints& p = points[i];
       const std::size_t at = first + static_cast<std::size_t>(row);
-      chunk.points[n] = Eigen::Vector3f(p.x[row], p.y[row], p.z[row]);
-      chunk.range[n] = p.range[row];
+      chunk.points[n] = Eigen::Vector3d(p.x[row], p.y[row], p.z[row]).cast<float>();
+      chunk.range[n] = static_cast<float>(p.range[row]);
       chunk.intensity[n] = frame.reflectivity[i][at];
       chunk.ring[n] = static_cast<std::uint16_t>(row);
       n += frame.range[i][at] != 0;

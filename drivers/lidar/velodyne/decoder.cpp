@@ -132,6 +132,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     // Halves of a block share its azimuth: only the first can begin a scan.
     if (firing.half == 0 &&
         cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
+      returns.append_to(scan_, options_.exact);
       give_out(counters, sink, !after_gap);
       begun_at_cut_ = !after_gap;
       // Where the first firings of a scan are missing, their number follows from how far the head has turned.
@@ -141,11 +142,11 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
       scan_first_ = number;
       begun_at_cut_ = false;
     }
-    projection_->project(firing, start, options_.second_returns, returns);
     const auto column = static_cast<std::uint32_t>(number - scan_first_);
-    returns.append_to(scan_, column, options_.exact);
+    projection_->project(firing, start, column, options_.second_returns, returns);
     scan_.scan.columns = std::max(scan_.scan.columns, static_cast<int>(column) + 1);
   }
+  returns.append_to(scan_, options_.exact);
   if (missing > 0) scan_.missing_packets += static_cast<int>((missing + cycles / 2) / cycles);
   scan_.clock.push_back({packet.device_time, packet.host_time});
   last_ = packet;

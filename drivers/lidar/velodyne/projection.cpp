@@ -27,7 +27,7 @@ constexpr double far_point = 25.04, near_point_x = 2.40, near_point_y = 1.93;
 
 }  // namespace
 
-void VelodyneReturns::append_to(LidarScan& out, std::uint32_t column, bool with_exact) const {
+void VelodyneReturns::append_to(LidarScan& out, bool with_exact) {
   Scan& scan = out.scan;
   const auto n = static_cast<std::ptrdiff_t>(size);
   scan.points.insert(scan.points.end(), points.begin(), points.begin() + n);
@@ -35,8 +35,9 @@ void VelodyneReturns::append_to(LidarScan& out, std::uint32_t column, bool with_
   scan.range.insert(scan.range.end(), range.begin(), range.begin() + n);
   scan.ring.insert(scan.ring.end(), ring.begin(), ring.begin() + n);
   scan.time.insert(scan.time.end(), time.begin(), time.begin() + n);
-  scan.column.insert(scan.column.end(), size, column);
+  scan.column.insert(scan.column.end(), column.begin(), column.begin() + n);
   if (with_exact) out.exact.insert(out.exact.end(), exact.begin(), exact.begin() + n);
+  size = 0;
 }
 
 VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const VelodyneCalibration& calibration,
@@ -147,22 +148,20 @@ void VelodyneProjection::project_block(const std::uint8_t* block, int bank, cons
   }
 }
 
-void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time, bool second_returns,
-                                 VelodyneReturns& out) {
+void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time, std::uint32_t column,
+                                 bool second_returns, VelodyneReturns& out) {
   using P = VelodynePacket;
   const std::int64_t start = time + std::llround(firing.cycle * cycle_ * 1e9);
   const int banks = (rings() + P::channels - 1) / P::channels;
-  out.size = 0;
-  BlockReturns returns[2];
   for (int bank = 0; bank < banks; ++bank) {
     const std::uint8_t* first = firing.blocks[0][static_cast<std::size_t>(bank)];
     const std::uint8_t* second = firing.blocks[1][static_cast<std::size_t>(bank)];
     if (!first) std::swap(first, second);
     if (!first) continue;
-    project_block(first, bank, firing, returns[0]);
-    if (second) project_block(second, bank, firing, returns[1]);
+    project_block(first, bank, firing, returns_[0]);
+    if (second) project_block(second, bank, firing, returns_[1]);
     std::size_t n = out.size;
-    for (Eigen::Index i = 0; i < returns[0].counts.size(); ++i) {
+    for (Eigen::Index i = 0; i < returns_[0].counts.size(); ++i) {
       const auto id = static_cast<std::size_t>(bank * P::channels + i);
       // Written in any case and kept if it is a return: cheaper than a branch taken at random.
       const auto keep = [&](const BlockReturns& r, bool wanted) {
@@ -172,15 +171,16 @@ void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time
         out.range[n] = static_cast<float>(r.range[i]);
         out.intensity[n] = static_cast<float>(r.intensity[i]);
         out.ring[n] = ring_[id];
+        out.column[n] = column;
         out.time[n] = start + firing_time_[id];
         n += wanted;
       };
-      const double counts = returns[0].counts[i];
-      keep(returns[0], counts != 0);
+      const double counts = returns_[0].counts[i];
+      keep(returns_[0], counts != 0);
       if (!second) continue;
       // Equal blocks mean that there was one return only.
-      const double other = returns[1].counts[i];
-      keep(returns[1], other != 0 && other != counts && (second_returns || counts == 0));
+      const double other = returns_[1].counts[i];
+      keep(returns_[1], other != 0 && other != counts && (second_returns || counts == 0));
     }
     out.size = n;
   }

@@ -10,17 +10,20 @@
 
 namespace ca2 {
 
-/// Returns of one firing, gathered before they are appended to a scan.
+/// Returns of a packet, gathered before they are appended to a scan.
 struct VelodyneReturns {
-  static constexpr std::size_t capacity = 2 * 128;
+  static constexpr std::size_t capacity =
+      static_cast<std::size_t>(VelodynePacket::blocks) * VelodynePacket::channels;
   std::array<Eigen::Vector3f, capacity> points;
   std::array<float, capacity> intensity, range;
   std::array<std::uint16_t, capacity> ring;
+  std::array<std::uint32_t, capacity> column;
   std::array<std::int64_t, capacity> time;
   std::array<ExactReturn, capacity> exact;
   std::size_t size = 0;
 
-  void append_to(LidarScan& out, std::uint32_t column, bool with_exact) const;
+  /// Appends all, and is empty.
+  void append_to(LidarScan& out, bool with_exact);
 };
 
 /// With D = distance + correction, a = azimuth of the head at the laser's own firing time - its rotation:
@@ -34,9 +37,10 @@ class VelodyneProjection {
   /// Seconds from firing to firing, where the model's are not what the packets show.
   void set_cycle(double cycle);
 
-  /// Fills `out` with the returns of a firing. `time`: ns of the packet's first firing. The firing's `step`
-  /// of 0 leaves all lasers at the block's azimuth.
-  void project(const VelodyneFiring& firing, std::int64_t time, bool second_returns, VelodyneReturns& out);
+  /// Adds the returns of a firing to `out`. `time`: ns of the packet's first firing. The firing's `step` of 0
+  /// leaves all lasers at the block's azimuth.
+  void project(const VelodyneFiring& firing, std::int64_t time, std::uint32_t column, bool second_returns,
+               VelodyneReturns& out);
 
   /// Fills VelodyneReturns::exact too.
   void want_exact(bool wanted) { exact_ = wanted; }
@@ -77,6 +81,7 @@ class VelodyneProjection {
   bool exact_ = false, two_point_ = false, corrected_intensity_ = false;
   double cycle_ = 0;                ///< s
   std::array<Motion, 64> motions_;  ///< by a hash of the step
+  BlockReturns returns_[2];         ///< of the block, or pair of blocks, in hand
 };
 
 }  // namespace ca2
