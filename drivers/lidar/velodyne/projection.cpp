@@ -65,6 +65,7 @@ VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const Velodyn
     focal_slope_[id] = in.focal_slope;
     min_intensity_[id] = in.min_intensity;
     max_intensity_[id] = std::max(in.min_intensity, in.max_intensity);
+    sideways_ = sideways_ || in.horizontal_offset != 0;
     two_point_ = two_point_ || (two_point && in.distance_x != 0 && in.distance_y != 0);
     corrected_intensity_ =
         corrected_intensity_ || in.focal_slope != 0 || in.min_intensity != 0 || in.max_intensity != 255;
@@ -136,8 +137,13 @@ void VelodyneProjection::project_block(const std::uint8_t* block, int bank, cons
   const auto h = horizontal_offset_.segment(first, n);
   out.range = out.counts * lsb_ + distance_.segment(first, n);
   const Lanes flat = out.range * cos_vertical_.segment(first, n);
-  out.x = flat * sine - h * cosine;
-  out.y = flat * cosine + h * sine;
+  if (sideways_) {
+    out.x = flat * sine - h * cosine;
+    out.y = flat * cosine + h * sine;
+  } else {
+    out.x = flat * sine;
+    out.y = flat * cosine;
+  }
   out.z = out.range * sin_vertical_.segment(first, n) + vertical_offset_.segment(first, n);
   if (two_point_) correct_near(first, sine, cosine, out);
   if (corrected_intensity_) {

@@ -76,8 +76,9 @@ class VelodyneProjection {
   std::vector<std::uint16_t> ring_;
   std::vector<std::int64_t> firing_time_;  ///< ns after the firing's start
 
-  double lsb_;     ///< m per count
-  int per_block_;  ///< firings to a block
+  double lsb_;             ///< m per count
+  int per_block_;          ///< firings to a block
+  bool sideways_ = false;  ///< some laser has a horizontal offset
   bool exact_ = false, two_point_ = false, corrected_intensity_ = false;
   double cycle_ = 0;                ///< s
   std::array<Motion, 64> motions_;  ///< by a hash of the step
