@@ -1,0 +1,131 @@
+/// @file decode as a person runs it, on recordings made by the encoders.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "drivers/lidar/encode.h"
+#include "drivers/lidar/model.h"
+#include "drivers/net/pcap_writer.h"
+#include "tests/tools/ca2/program.h"
+
+namespace ca2 {
+namespace {
+
+using namespace ca2::test;
+namespace fs = std::filesystem;
+
+class DecodeCommand : public testing::Test {
+ protected:
+  fs::path folder = fs::temp_directory_path() / ("ca2_decode_" + std::to_string(::getpid()));
+
+  void SetUp() override { fs::create_directories(folder); }
+  void TearDown() override { fs::remove_all(folder); }
+
+  void write_capture(const std::vector<EncodedPacket>& packets, std::uint16_t port) {
+    auto writer = PcapWriter::create(folder / "in.pcap");
+    ASSERT_TRUE(writer) << writer.error().text();
+    for (const EncodedPacket& packet : packets) {
+      Datagram datagram;
+      datagram.time = packet.time;
+      datagram.source_address = "192.0.2.7";
+      datagram.destination_port = port;
+      datagram.payload = packet.bytes;
+      ASSERT_TRUE(writer->write(datagram));
+    }
+    ASSERT_TRUE(writer->close());
+  }
+
+  /// A wall of returns that get further by a step from ring to ring.
+  static EncoderScan scan(int rings, int columns, std::int64_t start) {
+    EncoderScan out;
+    out.rings = rings;
+    out.columns = columns;
+    out.start = start;
+    for (int ring = 0; ring < rings; ++ring) {
+      out.range[0].insert(out.range[0].end(), static_cast<std::size_t>(columns),
+                          5.0f + 0.008f * static_cast<float>(ring));
+    }
+    out.range[0][3] = 0;  // one without a return
+    return out;
+  }
+};
+
+TEST_F(DecodeCommand, AnOusterRecordingBecomesRowsToTheMicrometre) {
+  const OusterMetadata metadata =
+      nominal_ouster_metadata(*(*find_lidar_model("OS1-32"))->ouster(), 512, 10, "RNG19_RFL8_SIG16_NIR16");
+  std::ofstream(folder / "meta.json") << write_ouster_metadata(metadata);
+  constexpr std::int64_t start = 1'700'000'000'000'000'000;
+  write_capture(encode_ouster(metadata, scan(32, 512, start)), 7502);
+  const Outcome outcome = run_ca2({"decode", folder / "in.pcap", "--metadata", folder / "meta.json",
+                                   "--output", folder / "out", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  const auto summary = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(summary["scans"], 1);
+  EXPECT_EQ(summary["points"], 32 * 512 - 1);
+  EXPECT_EQ(summary["counters"]["lidar_packets"], 32);
+
+  const auto table = make_beam_table({"", folder / "meta.json", {}, 0, 0});
+  ASSERT_TRUE(table);
+  std::FILE* csv = std::fopen((folder / "out" / "scans.csv").c_str(), "r");
+  ASSERT_NE(csv, nullptr);
+  char line[256];
+  ASSERT_NE(std::fgets(line, sizeof line, csv), nullptr);
+  EXPECT_STREQ(line, "scan,ring,column,timestamp_ns,range_m,x,y,z,intensity\n");
+  int rows = 0;
+  while (std::fgets(line, sizeof line, csv)) {
+    int number = 0, ring = 0, column = 0;
+    long long time = 0;
+    double range = 0, intensity = 0;
+    Eigen::Vector3d point;
+    ASSERT_EQ(std::sscanf(line, "%d,%d,%d,%lld,%lf,%lf,%lf,%lf,%lf", &number, &ring, &column, &time, &range,
+                          &point.x(), &point.y(), &point.z(), &intensity),
+              9);
+    EXPECT_NEAR(range, 5 + 0.008 * ring, 1e-9);
+    const BeamRay& ray = table->ray(ring, column);
+    ASSERT_LT((point - (ray.origin + range * ray.direction)).norm(), 2e-8);
+    EXPECT_EQ(time, start + std::llround(column * 1e9 / 5120));
+    EXPECT_EQ(intensity, 100);
+    ++rows;
+  }
+  std::fclose(csv);
+  EXPECT_EQ(rows, 32 * 512 - 1);
+}
+
+TEST_F(DecodeCommand, AVelodyneRecordingBecomesCloudsAndAnHdl64eWithoutAnglesIsRefused) {
+  const VelodyneModel& model = *(*find_lidar_model("VLP-16"))->velodyne();
+  VelodyneEncoder encoder(model, model.factory, {});
+  std::vector<EncodedPacket> packets;
+  for (int i = 0; i < 2; ++i) {
+    for (auto& packet : encoder.push(scan(16, 1808, 1'700'000'000'000'000'000 + i * 100'000'000))) {
+      packets.push_back(std::move(packet));
+    }
+  }
+  write_capture(packets, 2368);
+  const Outcome outcome = run_ca2(
+      {"decode", folder / "in.pcap", "--model", "vlp16", "--format", "pcd", "--output", folder / "out"});
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("VLP-16: 2 scans"), std::string::npos) << outcome.output;
+  const auto cloud = read_pcd(folder / "out" / "000000.pcd");
+  ASSERT_TRUE(cloud) << cloud.error().text();
+  EXPECT_EQ(cloud->size(), 16u * 1808 - 1);
+  EXPECT_TRUE(fs::exists(folder / "out" / "000001.pcd"));
+
+  const auto status = [&](std::vector<std::string> options) {
+    std::vector<std::string> all{"decode", folder / "in.pcap", "--output", folder / "out"};
+    all.insert(all.end(), options.begin(), options.end());
+    return run_ca2(all).status;
+  };
+  EXPECT_EQ(status({"--model", "HDL-64E"}), 78);
+  EXPECT_EQ(status({"--model", "VLP-17"}), 78);
+  EXPECT_EQ(status({"--model", "VLS-128"}), 65);  // nothing of it in there
+  EXPECT_EQ(status({}), 64);
+  EXPECT_EQ(status({"--model", "VLP-16", "--format", "las"}), 64);
+}
+
+}  // namespace
+}  // namespace ca2
