@@ -1,6 +1,8 @@
 // The state machines on their own: frames by number, packets by time, revolutions by azimuth.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "synthetic.h"
 
 namespace ca2 {
@@ -181,6 +183,61 @@ TEST(VelodynePacket, ConfidenceBlocksAreNoReturnsAndOtherLayoutsAreRefused) {
   EXPECT_LE(accepted.scans[0].scan.size(), 4u * 4 * 2 * 32);
   for (EncodedPacket& packet : packets) packet.bytes[1204] = 0x3B;
   EXPECT_EQ(decode_all(setup, packets).counters.unknown_return_mode, 4u);
+}
+
+TEST(VelodyneDecoder, AFiringCycleOfOtherFirmwareIsMeasured) {
+  for (const auto& [name, factor] : {std::pair{"HDL-64E-nominal", 1.2}, std::pair{"VLS-128", 55.3 / 53.3}}) {
+    const VelodyneModel& known = *(*find_lidar_model(name))->velodyne();
+    VelodyneModel slower = known;
+    slower.cycle *= factor;
+    for (double& time : slower.firing) time *= factor;
+    std::mt19937_64 random(4);
+    const int columns = static_cast<int>(0.1 / slower.cycle);
+    EncoderScan scan = test::random_scan(known.lasers, columns, known.distance_lsb, false, random);
+    VelodyneEncoder encoder(slower, known.factory, {});
+    VelodyneDecoder decoder(known, known.factory, {});
+    LidarCounters counters;
+    const auto scans = test::decode_packets(decoder, encoder.push(scan), counters);
+    ASSERT_EQ(scans.size(), 1u) << name;
+    EXPECT_EQ(counters.missing_packets, 0u);
+    const Scan& out = scans[0].scan;
+    const std::vector<int> rings = velodyne_rings(known.factory);
+    for (std::size_t i = out.size() / 2; i < out.size(); i += 101) {
+      const auto laser = std::find(rings.begin(), rings.end(), out.ring[i]) - rings.begin();
+      const double expected = out.column[i] * slower.cycle + slower.firing[static_cast<std::size_t>(laser)];
+      EXPECT_NEAR(static_cast<double>(out.time[i]) * 1e-9, expected, 1.5e-6) << name;
+    }
+  }
+}
+
+TEST(VelodyneDecoder, TheTwoPointCorrectionIsForNearPointsOnly) {
+  const VelodyneModel& model = *(*find_lidar_model("HDL-64E-nominal"))->velodyne();
+  VelodyneCalibration calibration = model.factory;
+  for (VelodyneLaser& laser : calibration.lasers) {
+    laser.distance_x = laser.distance + 0.05;
+    laser.distance_y = laser.distance + 0.03;
+  }
+  std::mt19937_64 random(6);
+  VelodyneEncoder encoder(model, calibration, {});
+  const auto packets = encoder.push(test::random_scan(64, 500, 0.002, false, random));
+  VelodyneOptions corrected;
+  corrected.two_point_correction = true;
+  VelodyneDecoder plain_decoder(model, calibration, {}), corrected_decoder(model, calibration, corrected);
+  LidarCounters counters;
+  const Scan plain = test::decode_packets(plain_decoder, packets, counters).at(0).scan;
+  const Scan near = test::decode_packets(corrected_decoder, packets, counters).at(0).scan;
+  ASSERT_EQ(plain.size(), near.size());
+  int moved = 0;
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    const float distance = (plain.points[i] - near.points[i]).norm();
+    if (plain.range[i] >= 25.04f) {
+      EXPECT_EQ(distance, 0);
+    } else {
+      EXPECT_LT(distance, 0.08f);
+      moved += distance > 1e-3f;
+    }
+  }
+  EXPECT_GT(moved, 1000);
 }
 
 }  // namespace
