@@ -1,0 +1,40 @@
+/// @file What the estimator is given: where each sensor saw the board in each view.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/board/board.h"
+#include "core/geometry/plane.h"
+#include "core/geometry/pose.h"
+
+namespace ca2 {
+
+/// A camera's sight of the board in one view.
+struct CameraSight {
+  std::vector<Corner> corners;
+  BoardPose pose;  ///< from this picture alone, with the intrinsics as given
+};
+
+/// A LiDAR's possible sight of the board in one view: one hypothesis of several.
+struct LidarSight {
+  Plane plane;             ///< sensor frame, as the finder fitted it
+  Eigen::Vector3d center;  ///< of the plate as the LiDAR sees it, sensor frame, m: rough in the plane
+  double rms = 0;          ///< m
+  double score = 0;        ///< the finder's, 0..1
+  std::vector<Eigen::Vector3f> on_board;  ///< returns the finder holds for the board, sensor frame, m
+  std::vector<Eigen::Vector3f>
+      around;  ///< the other returns whose rays pass close to the board, sensor frame, m
+};
+
+/// One view: what each camera and each LiDAR of the rig saw, by index.
+struct ViewSights {
+  int id = 0;
+  std::vector<std::optional<CameraSight>> cameras;
+  std::vector<std::vector<LidarSight>> lidars;  ///< hypotheses, best first; empty: not seen
+  std::string problem;  ///< why a sensor has none, for a person; empty when all is well
+};
+
+}  // namespace ca2
