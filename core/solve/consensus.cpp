@@ -159,15 +159,19 @@ bool compatible(const Choice& a, const Choice& b, const ConsensusOptions& option
 Pose pose_of_triple(const std::array<Choice, 3>& triple, const ConsensusOptions& options) {
   // Normals and centres together: three triangles' worth of directions leave no mirror image.
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
-  const Eigen::Vector3d camera_mean = (views[0]->center + views[1]->center + views[2]->center) / 3;
-  const Eigen::Vector3d lidar_mean = (patches[0].center + patches[1].center + patches[2].center) / 3;
+  Eigen::Vector3d camera_mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d lidar_mean = Eigen::Vector3d::Zero();
+  for (const Choice& choice : triple) {
+    camera_mean += choice.view->center / 3;
+    lidar_mean += choice.patch->center / 3;
+  }
   std::vector<PlanesAndCenters::Pair> pairs;
-  for (std::size_t i = 0; i < 3; ++i) {
-    correlation +=
-        views[i]->camera.normal * patches[i].plane.normal.transpose() / std::pow(options.angle_sigma, 2);
-    correlation += (views[i]->center - camera_mean) * (patches[i].center - lidar_mean).transpose() /
+  for (const Choice& choice : triple) {
+    correlation += choice.view->camera.normal * choice.patch->plane.normal.transpose() /
+                   std::pow(options.angle_sigma, 2);
+    correlation += (choice.view->center - camera_mean) * (choice.patch->center - lidar_mean).transpose() /
                    std::pow(0.5 * options.board_radius, 2);
-    pairs.push_back({views[i], patches[i]});
+    pairs.push_back({choice.view, *choice.patch});
   }
   Pose T;
   T.R = nearest_rotation(correlation);

@@ -1,0 +1,42 @@
+/// @file A first answer for the whole rig, without any guess: which hypotheses are the board, and roughly
+/// where the sensors sit.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/board/board.h"
+#include "core/geometry/pose.h"
+#include "core/solve/consensus.h"
+#include "core/solve/sights.h"
+#include "core/types/result.h"
+
+namespace ca2 {
+
+struct RigSeed {
+  std::vector<Pose> T_ref_camera;  ///< the first camera is the reference
+  std::vector<Pose> T_ref_lidar;
+  std::vector<std::vector<int>> chosen;   ///< [view][lidar]: index of the hypothesis, -1: none agrees
+  std::vector<std::vector<bool>> turned;  ///< [view][camera]: the corner ids are to be turned by half a turn
+};
+
+/// What the consensus needs to know of one view for a camera and a LiDAR, with the board's plate centre.
+ConsensusView consensus_view(const Board& board, const CameraSight& camera,
+                             const std::vector<LidarSight>& lidar);
+
+/// Tolerances that follow from the board's size.
+ConsensusOptions consensus_options(const Board& board, std::uint64_t seed);
+
+/// Links the rig's sensors through the views they share, strongest links first. Refused (ErrorCode::refused)
+/// with the sensors named when one cannot be linked. `cameras` and `lidars` are names for messages.
+Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& views,
+                         const std::vector<std::string>& cameras, const std::vector<std::string>& lidars,
+                         std::uint64_t seed);
+
+/// The pose of the board when its pattern is turned by half a turn.
+Pose half_turned(const Pose& T_sensor_board);
+/// The corner ids of a half-turned pattern: id -> count - 1 - id.
+void turn_ids(std::vector<Corner>& corners, int count);
+
+}  // namespace ca2
