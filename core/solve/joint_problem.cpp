@@ -144,14 +144,16 @@ double JointProblem::add_ranges(const State& state, std::size_t view, int lidar,
   return cost;
 }
 
+void JointProblem::clear(ViewEquations& equations) const {
+  equations.Hvv.setZero();
+  equations.Hvg.setZero(6, globals_);
+  equations.Hgg.setZero(globals_, globals_);
+  equations.gg.setZero(globals_);
+  equations.gv.setZero();
+}
+
 double JointProblem::add_view(const State& state, std::size_t view, ViewEquations* equations) const {
-  if (equations) {
-    equations->Hvv.setZero();
-    equations->Hvg.setZero(6, globals_);
-    equations->Hgg.setZero(globals_, globals_);
-    equations->gg.setZero(globals_);
-    equations->gv.setZero();
-  }
+  if (equations) clear(*equations);
   double cost = 0;
   for (int c = 0; c < cameras_; ++c) cost += add_corners(state, view, c, equations);
   for (int l = 0; l < lidars_; ++l) cost += add_ranges(state, view, l, equations);
@@ -266,6 +268,30 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
         state.T_ref_board[v].perturbed(step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v)));
   }
   return next;
+}
+
+double JointProblem::misfit(const State& state, std::size_t view) const {
+  double sum = 0;
+  ViewEquations equations;
+  for (int c = 0; c < cameras_; ++c) {
+    if (input_.views[view].corners[static_cast<std::size_t>(c)].empty()) continue;
+    clear(equations);
+    if (!std::isfinite(add_corners(state, view, c, &equations)))
+      return std::numeric_limits<double>::infinity();
+    sum += equations.gv.dot(equations.Hvv.ldlt().solve(equations.gv));
+  }
+  for (int l = 0; l < lidars_; ++l) {
+    const auto i = static_cast<std::size_t>(l);
+    const std::optional<RangeSums>& sums = input_.views[view].ranges[i];
+    if (!sums) continue;
+    const Pose T_lidar_board = state.T_ref_lidar[i].inverse() * state.T_ref_board[view];
+    Eigen::Vector4d z;
+    z << inverse_plane(board_plane(T_lidar_board)) - sums->reference, state.range_bias[i];
+    const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
+    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) /
+           (input_.range_sigma[i] * input_.range_sigma[i]);
+  }
+  return sum;
 }
 
 void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,

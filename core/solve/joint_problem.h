@@ -64,6 +64,11 @@ class JointProblem {
   double predicted_decrease(const Eigen::VectorXd& step) const;
   State moved(const State& state, const Eigen::VectorXd& step) const;
 
+  /// How far a view's sensors disagree about the board: the sum of what each one's own cost could still fall
+  /// if it had the board pose to itself (Newton decrements, twice): chi-squared with 3 degrees of freedom per
+  /// LiDAR and 6 per further camera.
+  double misfit(const State& state, std::size_t view) const;
+
   int globals() const { return globals_; }
   int camera_pose_index(int camera) const { return 6 * (camera - 1); }  ///< camera > 0
   int lidar_pose_index(int lidar) const { return lidar_poses_ + 6 * lidar; }
@@ -83,6 +88,7 @@ class JointProblem {
     Eigen::VectorXd gg;
     Vector6d gv;
   };
+  void clear(ViewEquations& equations) const;
   double add_view(const State& state, std::size_t view, ViewEquations* equations) const;
   double add_corners(const State& state, std::size_t view, int camera, ViewEquations* equations) const;
   double add_ranges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;

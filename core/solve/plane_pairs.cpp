@@ -92,17 +92,20 @@ class PlaneToPlane {
 
 }  // namespace
 
-std::optional<PlaneToPlaneResult> solve_plane_to_plane(std::span<const PlanePair> pairs, double huber) {
-  const std::optional<Pose> seed = solve_closed_form(pairs);
-  if (!seed) return std::nullopt;
+PlaneToPlaneResult plane_to_plane_at(std::span<const PlanePair> pairs, const Pose& T_camera_lidar,
+                                     double huber) {
   PlaneToPlane problem(pairs, huber);
-  PlaneToPlaneResult result{*seed, {}, 0};
-  if (!minimize(problem, result.T_camera_lidar).converged) return std::nullopt;
-  problem.linearize(result.T_camera_lidar);
-  result.information = problem.information();
-  result.residual_variance = problem.squared_residuals(result.T_camera_lidar) /
-                             std::max(1.0, 4.0 * static_cast<double>(pairs.size()) - 6);
-  return result;
+  problem.linearize(T_camera_lidar);
+  const double freedom = std::max(1.0, 4.0 * static_cast<double>(pairs.size()) - 6);
+  return {T_camera_lidar, problem.information(), problem.squared_residuals(T_camera_lidar) / freedom};
+}
+
+std::optional<PlaneToPlaneResult> solve_plane_to_plane(std::span<const PlanePair> pairs, double huber) {
+  std::optional<Pose> pose = solve_closed_form(pairs);
+  if (!pose) return std::nullopt;
+  PlaneToPlane problem(pairs, huber);
+  if (!minimize(problem, *pose).converged) return std::nullopt;
+  return plane_to_plane_at(pairs, *pose, huber);
 }
 
 }  // namespace ca2

@@ -32,4 +32,8 @@ struct PlaneToPlaneResult {
 /// from the closed form. The LiDAR plane is moved to the camera's frame by the estimate.
 std::optional<PlaneToPlaneResult> solve_plane_to_plane(std::span<const PlanePair> pairs, double huber = 0.1);
 
+/// The published residuals' information and variance at a given answer, for methods that do not iterate.
+PlaneToPlaneResult plane_to_plane_at(std::span<const PlanePair> pairs, const Pose& T_camera_lidar,
+                                     double huber = 0.1);
+
 }  // namespace ca2

@@ -95,9 +95,9 @@ ConsensusView consensus_view(const Board& board, const CameraSight& camera,
   view.camera = board_plane(camera.pose.T_camera_board);
   const Eigen::Vector2d center = board.extent().center;
   view.center = camera.pose.T_camera_board * Eigen::Vector3d(center.x(), center.y(), 0);
-  const Eigen::Matrix2d tilt = camera.pose.covariance.topLeftCorner<2, 2>();
-  const double largest = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(tilt).eigenvalues()(1);
-  view.normal_sigma = std::clamp(std::sqrt(std::max(0.0, largest)), 1e-4, 0.1);
+  const double tilt_variance =
+      camera.pose.covariance.topLeftCorner<2, 2>().trace();  // about the board's x and y
+  view.normal_sigma = std::clamp(std::sqrt(std::max(0.0, tilt_variance)), 1e-4, 0.1);
   for (const LidarSight& sight : lidar) {
     view.patches.push_back({sight.plane, sight.center, patch_normal_sigma(sight)});
   }

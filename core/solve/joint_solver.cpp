@@ -1,0 +1,329 @@
+#include "core/solve/joint_solver.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/solve/board_rays.h"
+#include "core/solve/levenberg_marquardt.h"
+
+namespace ca2 {
+namespace {
+
+/// chi-squared with 3 degrees of freedom: median, and a bound one view in ten thousand exceeds by chance.
+constexpr double chi2_median = 2.366;
+constexpr double chi2_bound = 21.1;
+
+class Solver {
+ public:
+  Solver(const Board& board, const std::vector<Camera>& cameras, int lidars,
+         const std::vector<ViewSights>& views, const RigSeed& seed, const JointOptions& options)
+      : board_(board), views_(views), options_(options), lidars_(static_cast<std::size_t>(lidars)) {
+    input_.board_corners = board.type->corners(board);
+    input_.cameras = cameras;
+    input_.relative = options.relative;
+    input_.prior_focal = options.prior_focal;
+    input_.prior_center = options.prior_center;
+    input_.prior_bias = options.prior_bias;
+    answer_.chosen = seed.chosen;
+    answer_.views.resize(views.size());
+    answer_.range_sigma.assign(lidars_, 0.02);
+    answer_.corner_scale.assign(cameras.size(), 1);
+    state_.T_ref_camera = seed.T_ref_camera;
+    state_.T_ref_lidar = seed.T_ref_lidar;
+    state_.cameras = cameras;
+    state_.range_bias.assign(lidars_, 0);
+    state_.T_ref_board.resize(views.size());
+    corners_.resize(views.size());
+    const int count = static_cast<int>(input_.board_corners.size());
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      corners_[v].resize(cameras.size());
+      for (std::size_t c = cameras.size(); c-- > 0;) {
+        if (!views[v].cameras[c]) continue;
+        const CameraSight& sight = *views[v].cameras[c];
+        corners_[v][c] = sight.corners;
+        if (seed.turned[v][c]) turn_ids(corners_[v][c], count);
+        const Pose pose =
+            seed.turned[v][c] ? half_turned(sight.pose.T_camera_board) : sight.pose.T_camera_board;
+        state_.T_ref_board[v] = seed.T_ref_camera[c] * pose;
+      }
+    }
+  }
+
+  JointAnswer run() {
+    for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
+    // First with the finder's returns, then with those whose rays meet the board where the solution has it.
+    solve(Returns::as_found);
+    for (int round = 0; round < 3; ++round) {
+      solve(Returns::by_ray);
+      if (!drop_worst() && round > 0) break;
+    }
+    while (drop_worst()) solve(Returns::by_ray);
+    finish();
+    return std::move(answer_);
+  }
+
+ private:
+  enum class Returns { as_found, by_ray };
+
+  int sensors_in(std::size_t v) const {
+    int count = 0;
+    for (const auto& corners : corners_[v]) count += corners.empty() ? 0 : 1;
+    for (const int hypothesis : answer_.chosen[v]) count += hypothesis >= 0 ? 1 : 0;
+    return count;
+  }
+
+  void note_usability(std::size_t v) {
+    JointViewOutcome& outcome = answer_.views[v];
+    outcome.used = sensors_in(v) >= 2;
+    if (outcome.used) return;
+    const bool camera =
+        std::any_of(corners_[v].begin(), corners_[v].end(), [](const auto& c) { return !c.empty(); });
+    const bool lidar = std::any_of(views_[v].lidars.begin(), views_[v].lidars.end(),
+                                   [](const auto& l) { return !l.empty(); });
+    if (!views_[v].problem.empty())
+      outcome.reason = views_[v].problem;
+    else if (!camera)
+      outcome.reason = "no camera found the board";
+    else if (!lidar)
+      outcome.reason = "no LiDAR found anything of the board's size";
+    else
+      outcome.reason = "nothing the LiDAR found sits where the other views say the board is";
+  }
+
+  Pose T_lidar_board(std::size_t v, std::size_t l) const {
+    return state_.T_ref_lidar[l].inverse() * state_.T_ref_board[v];
+  }
+
+  /// Fills input_ for the views in use (with their indices in active_).
+  void prepare(Returns returns) {
+    active_.clear();
+    input_.views.clear();
+    input_.range_sigma = answer_.range_sigma;
+    const Outline outline = board_.extent();
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      if (!answer_.views[v].used) continue;
+      active_.push_back(v);
+      JointView& view = input_.views.emplace_back();
+      view.corners = corners_[v];
+      for (std::size_t c = 0; c < view.corners.size(); ++c) {
+        const double scale = answer_.corner_scale[c] * answer_.corner_scale[c];
+        for (Corner& corner : view.corners[c]) corner.covariance *= scale;
+      }
+      view.ranges.resize(lidars_);
+      for (std::size_t l = 0; l < lidars_; ++l) {
+        if (answer_.chosen[v][l] < 0) continue;
+        const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
+        if (returns == Returns::as_found) {
+          RangeSums sums;
+          fit_plane_along_rays(sight.on_board, sight.plane, std::max(5 * sight.rms, 0.005), &sums);
+          view.ranges[l] = sums;
+          continue;
+        }
+        const Pose pose = T_lidar_board(v, l);
+        const std::vector<Eigen::Vector3f> inside = returns_through_board(sight, outline, pose, margin(pose));
+        const double gate = 4.5 * answer_.range_sigma[l] + view_slack(v, l);
+        const RangeSums sums =
+            range_sums(inside, inverse_plane(board_plane(pose)), state_.range_bias[l], gate);
+        if (sums.weight >= 4) view.ranges[l] = sums;
+      }
+    }
+  }
+
+  /// A beam is a few milliradians wide: nearer to the rim than this it sees past the board.
+  static double margin(const Pose& T_lidar_board) { return 0.004 + 0.003 * T_lidar_board.t.norm(); }
+
+  /// How far a view's plane may lie from the prediction beyond the returns' noise, m.
+  double view_slack(std::size_t v, std::size_t l) const {
+    const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
+    const Plane predicted = board_plane(T_lidar_board(v, l));
+    return std::min(0.05, std::abs(predicted.distance(sight.center)));
+  }
+
+  /// The state of the views in use only, as JointProblem indexes them; and back.
+  JointState active_state() const {
+    JointState active = state_;
+    active.T_ref_board.clear();
+    for (const std::size_t v : active_) active.T_ref_board.push_back(state_.T_ref_board[v]);
+    return active;
+  }
+  void take(JointState active) {
+    std::vector<Pose> boards = std::move(state_.T_ref_board);
+    for (std::size_t i = 0; i < active_.size(); ++i) boards[active_[i]] = active.T_ref_board[i];
+    state_ = std::move(active);
+    state_.T_ref_board = std::move(boards);
+  }
+
+  void solve(Returns returns) {
+    prepare(returns);
+    estimate_range_noise();
+    JointProblem problem(input_);
+    JointState active = active_state();
+    minimize(problem, active, {.max_iterations = 30});
+    for (std::size_t i = 0; i < active_.size(); ++i)
+      answer_.views[active_[i]].misfit = problem.misfit(active, i);
+    take(std::move(active));
+    estimate_corner_noise();
+  }
+
+  /// Noise of one return, from the residuals to each view's own plane (3 degrees of freedom each).
+  void estimate_range_noise() {
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      double squares = 0;
+      double freedom = 0;
+      for (const JointView& view : input_.views) {
+        const std::optional<RangeSums>& sums = view.ranges[l];
+        if (!sums) continue;
+        Eigen::Vector4d z = Eigen::Vector4d::Zero();
+        z(3) = state_.range_bias[l];
+        const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
+        const double own =
+            sums->at(z) - 0.5 * gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient));
+        squares += 2 * std::max(0.0, own);
+        freedom += sums->weight - 3;
+      }
+      if (freedom > 0) answer_.range_sigma[l] = std::max(1e-5, std::sqrt(squares / freedom));
+    }
+    input_.range_sigma = answer_.range_sigma;
+  }
+
+  /// Corner noise, from the reprojection residuals at the solution.
+  void estimate_corner_noise() {
+    for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
+      std::vector<double> squares;
+      double views = 0;
+      for (const std::size_t v : active_) {
+        if (corners_[v][c].empty()) continue;
+        views += 1;
+        const Pose pose = state_.T_ref_camera[c].inverse() * state_.T_ref_board[v];
+        double sum = 0;
+        for (const Corner& corner : corners_[v][c]) {
+          const Eigen::Vector2d& xy = input_.board_corners[static_cast<std::size_t>(corner.id)];
+          const auto pixel = state_.cameras[c].project(pose * Eigen::Vector3d(xy.x(), xy.y(), 0));
+          if (!pixel) continue;
+          const Eigen::Vector2d e = *pixel - corner.pixel;
+          squares.push_back(e.dot(corner.covariance.ldlt().solve(e)));
+          sum += e.squaredNorm();
+        }
+        answer_.views[v].reprojection_rms = std::sqrt(sum / static_cast<double>(corners_[v][c].size()));
+      }
+      const double freedom = 2 * static_cast<double>(squares.size()) - 6 * views;
+      if (freedom < 10) continue;
+      // The median of the squared whitened errors (2 degrees of freedom each) does not see the few bad
+      // corners.
+      std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2),
+                       squares.end());
+      const double median = squares[squares.size() / 2] / 1.386;
+      answer_.corner_scale[c] =
+          std::max(1e-4, std::sqrt(median * 2 * static_cast<double>(squares.size()) / freedom));
+    }
+  }
+
+  /// Takes out the view whose sensors disagree most, if they disagree more than the views at large do.
+  bool drop_worst() {
+    std::vector<double> misfits;
+    for (const std::size_t v : active_) misfits.push_back(answer_.views[v].misfit);
+    if (misfits.size() <= 3) return false;
+    std::vector<double> sorted = misfits;
+    std::sort(sorted.begin(), sorted.end());
+    const double typical = std::max(1.0, sorted[sorted.size() / 2] / chi2_median);
+    const auto worst = std::max_element(misfits.begin(), misfits.end());
+    if (!(*worst > chi2_bound * typical)) return false;
+    JointViewOutcome& outcome = answer_.views[active_[static_cast<std::size_t>(worst - misfits.begin())]];
+    outcome.used = false;
+    outcome.reason = "camera and LiDAR disagree about the board by " +
+                     std::to_string(static_cast<int>(std::lround(std::sqrt(*worst / 3)))) +
+                     " times their noise: it moved, is bent, or another object was taken for it";
+    return true;
+  }
+
+  void finish() {
+    prepare(Returns::by_ray);
+    JointProblem problem(input_);
+    JointState active = active_state();
+    minimize(problem, active, {.max_iterations = 30});
+    problem.linearize(active);
+    take(active);
+    double misfit = 0;
+    double freedom = -6.0 * static_cast<double>(lidars_);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const std::size_t v = active_[i];
+      JointViewOutcome& outcome = answer_.views[v];
+      outcome.misfit = problem.misfit(active, i);
+      misfit += outcome.misfit;
+      double weight = 0;
+      double squares = 0;
+      for (std::size_t l = 0; l < lidars_; ++l) {
+        const std::optional<RangeSums>& sums = input_.views[i].ranges[l];
+        if (!sums) continue;
+        freedom += 3;
+        Eigen::Vector4d z;
+        z << inverse_plane(board_plane(T_lidar_board(v, l))) - sums->reference, active.range_bias[l];
+        squares += 2 * std::max(0.0, sums->at(z));
+        weight += sums->weight;
+      }
+      outcome.plane_rms = weight > 0 ? std::sqrt(squares / weight) : 0;
+    }
+    answer_.state = state_;
+    // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
+    if (freedom > 0 && misfit / freedom > 1 + 3 * std::sqrt(2 / freedom))
+      answer_.variance_factor = misfit / freedom;
+    invert(problem);
+  }
+
+  void invert(const JointProblem& problem) {
+    const Eigen::MatrixXd information = problem.information();
+    const auto inverse = [](const Eigen::MatrixXd& matrix) -> std::optional<Eigen::MatrixXd> {
+      // Scaled to a unit diagonal first: metres, radians and pixels differ by orders of magnitude.
+      const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * matrix *
+                                                                 scale.asDiagonal());
+      if (eigen.info() != Eigen::Success || eigen.eigenvalues()(0) < 1e-13) return std::nullopt;
+      return Eigen::MatrixXd(scale.asDiagonal() * eigen.eigenvectors() *
+                             eigen.eigenvalues().cwiseInverse().asDiagonal() *
+                             eigen.eigenvectors().transpose() * scale.asDiagonal());
+    };
+    const auto covariance = inverse(information);
+    if (!covariance) {
+      answer_.covariance = Eigen::MatrixXd::Constant(information.rows(), information.cols(), 0);
+      answer_.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+      return;
+    }
+    answer_.covariance = answer_.variance_factor * *covariance;
+    if (active_.size() < 4) return;
+    // One Newton step with the view taken out of the marginal information: exact to second order.
+    answer_.leave_one_out.resize(static_cast<Eigen::Index>(active_.size()), information.rows());
+    Eigen::MatrixXd share;
+    Eigen::VectorXd gradient;
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      problem.view_share(i, share, gradient);
+      const auto without = inverse(information - share);
+      if (!without) {
+        answer_.leave_one_out.resize(0, 0);
+        return;
+      }
+      answer_.leave_one_out.row(static_cast<Eigen::Index>(i)) = (*without * gradient).transpose();
+    }
+  }
+
+  const Board& board_;
+  const std::vector<ViewSights>& views_;
+  const JointOptions& options_;
+  std::size_t lidars_;
+  JointInput input_;
+  JointState state_;
+  std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
+  std::vector<std::size_t> active_;                        ///< the views in input_
+  JointAnswer answer_;
+};
+
+}  // namespace
+
+JointAnswer solve_joint(const Board& board, const std::vector<Camera>& cameras, int lidars,
+                        const std::vector<ViewSights>& views, const RigSeed& seed,
+                        const JointOptions& options) {
+  return Solver(board, cameras, lidars, views, seed, options).run();
+}
+
+}  // namespace ca2

@@ -1,0 +1,51 @@
+/// @file The joint maximum-likelihood calibration of a rig: chooses the returns, estimates the noise, solves,
+/// gates.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "core/board/board.h"
+#include "core/camera/camera_model.h"
+#include "core/solve/joint_problem.h"
+#include "core/solve/rig_seed.h"
+#include "core/solve/sights.h"
+
+namespace ca2 {
+
+struct JointOptions {
+  double prior_focal = 0.003;  ///< sigma of the given focal lengths, relative; 0 holds the intrinsics
+  double prior_center = 1.0;   ///< sigma of the given principal points, px
+  double prior_bias = 0.020;   ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
+  std::vector<RelativePrior> relative;
+};
+
+/// What became of a view.
+struct JointViewOutcome {
+  bool used = false;
+  std::string reason;           ///< why not; empty when used
+  double misfit = 0;            ///< chi-squared of the sensors' disagreement
+  double reprojection_rms = 0;  ///< px
+  double plane_rms = 0;         ///< m
+};
+
+struct JointAnswer {
+  JointState state;            ///< T_ref_board of unused views is not meaningful
+  Eigen::MatrixXd covariance;  ///< of the globals, in JointProblem's order, inflated by `variance_factor`
+  std::vector<JointViewOutcome> views;
+  std::vector<std::vector<int>> chosen;  ///< [view][lidar]: the hypothesis that is the board, -1: none
+  std::vector<double> range_sigma;       ///< by LiDAR, m
+  std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
+  double variance_factor = 1;            ///< >= 1: how much the views disagree beyond their noise
+  Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
+                                  ///< empty when any such set would not determine it
+};
+
+/// Solves from `seed`. `views` are those the seed was made from; `lidars` the number of LiDARs. Never fails:
+/// what is not determined shows in the covariance (possibly infinite), and views without use in `views`.
+JointAnswer solve_joint(const Board& board, const std::vector<Camera>& cameras, int lidars,
+                        const std::vector<ViewSights>& views, const RigSeed& seed,
+                        const JointOptions& options);
+
+}  // namespace ca2
