@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/board/board.h"
-#include "core/solve/sights.h"
+#include "core/features/sights.h"
 
 namespace ca2 {
 

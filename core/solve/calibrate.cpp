@@ -65,7 +65,7 @@ int candidate_views(const std::vector<ViewSights>& views, std::size_t l) {
 class JointReport {
  public:
   JointReport(const Rig& rig, const Names& names, const std::vector<ViewSights>& views,
-              const JointAnswer& answer, const JointOptions& options)
+              const JointAnswer& answer, const CalibrateOptions& options)
       : rig_(rig), names_(names), views_(views), answer_(answer), options_(options) {}
 
   Result<Calibration> make() const {
@@ -173,8 +173,12 @@ class JointReport {
     for (std::size_t c = 0; c < names_.cameras.size(); ++c) {
       CalibratedCamera& camera = calibration.cameras[names_.cameras[c]];
       camera.camera = answer_.state.cameras[c];
-      camera.estimated = options_.prior_focal > 0;
       camera.sigma.assign(static_cast<std::size_t>(camera.camera.parameters.size()), 0);
+      if (const auto own = options_.estimated.find(names_.cameras[c]); own != options_.estimated.end()) {
+        camera.sigma.assign(own->second.data(), own->second.data() + own->second.size());
+        camera.sigma.resize(static_cast<std::size_t>(camera.camera.parameters.size()), 0);
+      }
+      camera.estimated = options_.prior_focal > 0;
       for (Eigen::Index k = 0; k < 4 && camera.estimated; ++k) {
         const Eigen::Index i = intrinsics_index(c) + k;
         camera.sigma[static_cast<std::size_t>(k)] = std::sqrt(answer_.covariance(i, i));
@@ -207,7 +211,7 @@ class JointReport {
   const Names& names_;
   const std::vector<ViewSights>& views_;
   const JointAnswer& answer_;
-  const JointOptions& options_;
+  const CalibrateOptions& options_;
 };
 
 // --- The published methods
@@ -320,7 +324,8 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   const Result<RigSeed> seed = seed_rig(rig.board, views, names.cameras, names.lidars, options.seed);
   if (!seed) return fail(seed.error());
   if (options.method != Method::joint) return calibrate_planes(rig, names, views, *seed, options.method);
-  JointOptions joint = options.joint;
+  JointOptions joint;
+  joint.prior_bias = options.prior_bias;
   for (const RigExtrinsic& known : rig.extrinsics) {
     if (!known.fixed) continue;
     const auto index = [&](const std::string& name) {
@@ -335,9 +340,18 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
     joint.relative.push_back(
         {index(known.parent), index(known.child), known.T_parent_child, 1e12 * Matrix6d::Identity()});
   }
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const CameraParameters& k = cameras[c].parameters;
+    const double center = options.prior_focal > 0 ? options.prior_center : 0;
+    Eigen::Vector4d sigma(options.prior_focal * k(0), options.prior_focal * k(1), center, center);
+    // Estimated from these very views: held loosely, so that the corners are not counted twice.
+    const auto own = options.estimated.find(names.cameras[c]);
+    if (own != options.estimated.end()) sigma = sigma.cwiseMax(5 * own->second.head<4>());
+    joint.prior_intrinsics.push_back(sigma);
+  }
   const JointAnswer answer =
       solve_joint(rig.board, cameras, static_cast<int>(names.lidars.size()), views, *seed, joint);
-  return JointReport(rig, names, views, answer, joint).make();
+  return JointReport(rig, names, views, answer, options).make();
 }
 
 }  // namespace ca2

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "core/features/sights.h"
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
 #include "core/solve/joint_solver.h"
-#include "core/solve/sights.h"
 #include "core/types/result.h"
 
 namespace ca2 {
@@ -18,7 +19,12 @@ enum class Method { joint, plane_to_plane, kim };
 struct CalibrateOptions {
   Method method = Method::joint;
   std::uint64_t seed = 1;
-  JointOptions joint;
+  /// What is assumed of given intrinsics and of range biases (joint only): standard deviations; 0 holds them.
+  double prior_focal = 0.003;  ///< of fx and fy, relative
+  double prior_center = 1.0;   ///< of cx and cy, px
+  double prior_bias = 0.020;   ///< of a LiDAR's range bias, m
+  /// Cameras whose intrinsics were estimated from the same views: standard deviation of each parameter.
+  std::map<std::string, Eigen::VectorXd> estimated;
 };
 
 /// The rig's cameras must all have intrinsics here (estimated ones count; `estimated` says which, by index in

@@ -172,8 +172,8 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     const CameraParameters& given = input_.cameras[static_cast<std::size_t>(c)].parameters;
     const CameraParameters& now = state.cameras[static_cast<std::size_t>(c)].parameters;
     for (int k = 0; k < 4; ++k) {
-      const double sigma = k < 2 ? input_.prior_focal * given(k) : input_.prior_center;
-      add(intrinsics_index(c) + k, now(k) - given(k), input_.prior_focal > 0 ? 1 / (sigma * sigma) : held);
+      const double sigma = input_.prior_intrinsics[static_cast<std::size_t>(c)](k);
+      add(intrinsics_index(c) + k, now(k) - given(k), sigma > 0 ? 1 / (sigma * sigma) : held);
     }
   }
   for (int l = 0; l < lidars_; ++l) {

@@ -32,11 +32,10 @@ struct JointInput {
   std::vector<Camera> cameras;                 ///< intrinsics as given: the priors' means
   std::vector<JointView> views;
   std::vector<RelativePrior> relative;
-  std::vector<double> range_sigma;  ///< by LiDAR, m
-  double prior_focal = 0.003;       ///< sigma of fx and fy, relative; 0 holds the intrinsics
-  double prior_center = 1.0;        ///< sigma of cx and cy, px
-  double prior_bias = 0.020;        ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
-  double corner_huber = 3;          ///< whitened corner error from which the cost grows linearly
+  std::vector<double> range_sigma;                ///< by LiDAR, m
+  std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
+  double prior_bias = 0.020;                      ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
+  double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
 };
 
 /// The unknowns. The first camera is the reference frame.

@@ -23,8 +23,7 @@ class Solver {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
-    input_.prior_focal = options.prior_focal;
-    input_.prior_center = options.prior_center;
+    input_.prior_intrinsics = options.prior_intrinsics;
     input_.prior_bias = options.prior_bias;
     answer_.chosen = seed.chosen;
     answer_.views.resize(views.size());
@@ -55,10 +54,10 @@ class Solver {
     for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve(Returns::as_found);
-    for (int round = 0; round < 3; ++round) {
-      solve(Returns::by_ray);
-      if (!drop_worst() && round > 0) break;
-    }
+    // The second time round the returns and the noise are those of the solution: before, no view may be
+    // blamed.
+    solve(Returns::by_ray);
+    solve(Returns::by_ray);
     while (drop_worst()) solve(Returns::by_ray);
     finish();
     return std::move(answer_);

@@ -8,16 +8,15 @@
 
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
+#include "core/features/sights.h"
 #include "core/solve/joint_problem.h"
 #include "core/solve/rig_seed.h"
-#include "core/solve/sights.h"
 
 namespace ca2 {
 
 struct JointOptions {
-  double prior_focal = 0.003;  ///< sigma of the given focal lengths, relative; 0 holds the intrinsics
-  double prior_center = 1.0;   ///< sigma of the given principal points, px
-  double prior_bias = 0.020;   ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
+  double prior_bias = 0.020;                      ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
+  std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
   std::vector<RelativePrior> relative;
 };
 

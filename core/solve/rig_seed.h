@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/board/board.h"
+#include "core/features/sights.h"
 #include "core/geometry/pose.h"
 #include "core/solve/consensus.h"
-#include "core/solve/sights.h"
 #include "core/types/result.h"
 
 namespace ca2 {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/session/rig.h"
-#include "core/solve/sights.h"
+#include "core/features/sights.h"
 #include "tools/sim/feature_simulator.h"
 
 namespace ca2 {

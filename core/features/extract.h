@@ -1,0 +1,38 @@
+/// @file From a session's files to what the estimator needs: corners, board poses, patches.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/features/sights.h"
+#include "core/session/session.h"
+#include "core/types/result.h"
+
+namespace ca2 {
+
+struct ExtractOptions {
+  int threads = 0;                                    ///< 0: as many as there are cores
+  bool cache = true;                                  ///< keep features in SESSION/cache
+  std::vector<int> views;                             ///< ids to use; empty: all
+  std::function<void(int done, int total)> progress;  ///< called from the calling thread only
+};
+
+struct Extraction {
+  Rig rig;                        ///< the session's, with every camera's intrinsics filled in
+  std::vector<ViewSights> views;  ///< by rising id; sensors in the rig's order (by name)
+  /// Cameras whose intrinsics came from the views: standard deviation of each parameter.
+  std::map<std::string, Eigen::VectorXd> estimated;
+  std::vector<Problem> problems;  ///< files that could not be used; the other views are fine
+  int searched = 0;               ///< pictures and clouds searched
+  int cached = 0;                 ///< taken from the cache
+};
+
+/// Finds the board in every picture and cloud of the session, on all cores. A file that cannot be used is a
+/// problem of its view; only when no view is left (ErrorCode::data), an unknown view is asked for
+/// (ErrorCode::usage) or a camera without intrinsics has too few views to estimate them (ErrorCode::refused)
+/// does the whole fail.
+Result<Extraction> extract_features(const Session& session, const ExtractOptions& options);
+
+}  // namespace ca2

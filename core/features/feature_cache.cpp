@@ -1,0 +1,223 @@
+#include "core/features/feature_cache.h"
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <type_traits>
+
+#include "core/io/files.h"
+
+namespace ca2 {
+namespace {
+
+constexpr std::uint64_t magic =
+    0x3130534541324143;  // "CA2AES01" on little-endian machines: others start anew
+
+/// FNV-1a over 8 bytes at a time: it guards against accidents, not against enemies.
+std::uint64_t digest(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325) {
+  while (bytes.size() >= 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), 8);
+    hash = (hash ^ word) * 0x100000001b3;
+    hash ^= hash >> 29;
+    bytes.remove_prefix(8);
+  }
+  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
+  return hash;
+}
+
+class Writer {
+ public:
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    text_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  void put(const double* values, std::size_t count) {
+    text_.append(reinterpret_cast<const char*>(values), count * sizeof(double));
+  }
+  void put(const std::vector<Eigen::Vector3f>& points) {
+    put(static_cast<std::uint64_t>(points.size()));
+    text_.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Eigen::Vector3f));
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// Reads what Writer wrote; after the first failure everything reads as zero and `good` is false.
+class Reader {
+ public:
+  explicit Reader(std::string_view text) : text_(text) {}
+  template <class T>
+  T get() {
+    T value{};
+    take(&value, sizeof(T));
+    return value;
+  }
+  void get(double* values, std::size_t count) { take(values, count * sizeof(double)); }
+  std::vector<Eigen::Vector3f> points() {
+    const auto count = get<std::uint64_t>();
+    if (count > text_.size() / sizeof(Eigen::Vector3f)) good_ = false;
+    std::vector<Eigen::Vector3f> list(good_ ? count : 0);
+    take(list.data(), list.size() * sizeof(Eigen::Vector3f));
+    return list;
+  }
+  bool good() const { return good_; }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (!good_ || size > text_.size()) {
+      good_ = false;
+      return;
+    }
+    if (size > 0) std::memcpy(to, text_.data(), size);
+    text_.remove_prefix(size);
+  }
+  std::string_view text_;
+  bool good_ = true;
+};
+
+struct Header {
+  std::uint64_t magic = 0, settings = 0, size = 0, content = 0, payload = 0;
+  std::int64_t changed = 0;
+};
+
+/// Size and time of change; a missing file has neither.
+bool describe(const std::filesystem::path& data, Header& header) {
+  std::error_code error;
+  header.size = std::filesystem::file_size(data, error);
+  if (error) return false;
+  header.changed = std::filesystem::last_write_time(data, error).time_since_epoch().count();
+  return !error;
+}
+
+std::optional<std::uint64_t> content_of(const std::filesystem::path& data) {
+  const Result<std::string> text = read_text(data, std::size_t{1} << 30);
+  if (!text) return std::nullopt;
+  return digest(*text);
+}
+
+}  // namespace
+
+FeatureCache::FeatureCache(std::filesystem::path directory, const std::string& settings)
+    : directory_(std::move(directory)), settings_(digest(settings)) {}
+
+std::optional<std::string> FeatureCache::load(const std::string& name,
+                                              const std::filesystem::path& data) const {
+  if (directory_.empty()) return std::nullopt;
+  std::ifstream file(directory_ / name, std::ios::binary);
+  if (!file) return std::nullopt;
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (text.size() < sizeof(Header)) return std::nullopt;
+  Header kept;
+  std::memcpy(&kept, text.data(), sizeof(Header));
+  std::string payload = text.substr(sizeof(Header));
+  Header now;
+  if (kept.magic != magic || kept.settings != settings_ || kept.payload != digest(payload) ||
+      !describe(data, now) || kept.size != now.size) {
+    return std::nullopt;
+  }
+  if (kept.changed != now.changed && content_of(data) != kept.content) return std::nullopt;
+  return payload;
+}
+
+void FeatureCache::store(const std::string& name, const std::filesystem::path& data,
+                         const std::string& payload) const {
+  Header header;
+  if (directory_.empty() || !describe(data, header)) return;
+  const std::optional<std::uint64_t> content = content_of(data);
+  if (!content) return;
+  header.magic = magic;
+  header.settings = settings_;
+  header.content = *content;
+  header.payload = digest(payload);
+  std::error_code error;
+  const std::filesystem::path file = directory_ / name;
+  std::filesystem::create_directories(file.parent_path(), error);
+  // Written aside and renamed, but not fsynced: the checksum tells a torn file.
+  const std::filesystem::path aside = file.string() + ".new";
+  {
+    std::ofstream out(aside, std::ios::binary | std::ios::trunc);
+    out.write(reinterpret_cast<const char*>(&header), sizeof(header));
+    out.write(payload.data(), static_cast<std::streamsize>(payload.size()));
+    if (!out.good()) return;
+  }
+  std::filesystem::rename(aside, file, error);
+}
+
+std::optional<ImageFeatures> FeatureCache::load_image(const std::string& name,
+                                                      const std::filesystem::path& data) const {
+  const std::optional<std::string> payload = load(name, data);
+  if (!payload) return std::nullopt;
+  Reader reader(*payload);
+  ImageFeatures features;
+  features.width = reader.get<std::int32_t>();
+  features.height = reader.get<std::int32_t>();
+  const auto count = reader.get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count && reader.good(); ++i) {
+    Corner corner;
+    corner.id = reader.get<std::int32_t>();
+    reader.get(corner.pixel.data(), 2);
+    reader.get(corner.covariance.data(), 4);
+    features.corners.push_back(corner);
+  }
+  if (!reader.good()) return std::nullopt;
+  return features;
+}
+
+void FeatureCache::store_image(const std::string& name, const std::filesystem::path& data,
+                               const ImageFeatures& features) const {
+  Writer writer;
+  writer.put(static_cast<std::int32_t>(features.width));
+  writer.put(static_cast<std::int32_t>(features.height));
+  writer.put(static_cast<std::uint32_t>(features.corners.size()));
+  for (const Corner& corner : features.corners) {
+    writer.put(static_cast<std::int32_t>(corner.id));
+    writer.put(corner.pixel.data(), 2);
+    writer.put(corner.covariance.data(), 4);
+  }
+  store(name, data, writer.text());
+}
+
+std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::string& name,
+                                                                const std::filesystem::path& data) const {
+  const std::optional<std::string> payload = load(name, data);
+  if (!payload) return std::nullopt;
+  Reader reader(*payload);
+  std::vector<LidarSight> sights;
+  const auto count = reader.get<std::uint32_t>();
+  for (std::uint32_t i = 0; i < count && reader.good(); ++i) {
+    LidarSight sight;
+    reader.get(sight.plane.normal.data(), 3);
+    sight.plane.offset = reader.get<double>();
+    reader.get(sight.center.data(), 3);
+    sight.rms = reader.get<double>();
+    sight.score = reader.get<double>();
+    sight.on_board = reader.points();
+    sight.around = reader.points();
+    sights.push_back(std::move(sight));
+  }
+  if (!reader.good()) return std::nullopt;
+  return sights;
+}
+
+void FeatureCache::store_cloud(const std::string& name, const std::filesystem::path& data,
+                               const std::vector<LidarSight>& sights) const {
+  Writer writer;
+  writer.put(static_cast<std::uint32_t>(sights.size()));
+  for (const LidarSight& sight : sights) {
+    writer.put(sight.plane.normal.data(), 3);
+    writer.put(sight.plane.offset);
+    writer.put(sight.center.data(), 3);
+    writer.put(sight.rms);
+    writer.put(sight.score);
+    writer.put(sight.on_board);
+    writer.put(sight.around);
+  }
+  store(name, data, writer.text());
+}
+
+}  // namespace ca2

@@ -1,0 +1,118 @@
+/// @file `ca2 solve`: from a session to its result.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "core/features/extract.h"
+#include "core/io/files.h"
+#include "core/session/session.h"
+#include "core/solve/calibrate.h"
+#include "tools/ca2/command.h"
+#include "tools/ca2/id_list.h"
+#include "tools/ca2/print_calibration.h"
+#include "tools/ca2/progress.h"
+
+namespace ca2 {
+namespace {
+
+struct SolveArguments {
+  std::string session;
+  std::string output;
+  std::string method = "joint";
+  std::string views;
+  bool json = false;
+  bool no_cache = false;
+  int threads = 0;
+};
+
+void print_problems(const std::vector<Problem>& problems) {
+  for (const Problem& problem : problems) {
+    std::fprintf(stderr, "ca2: %s\n",
+                 Error(ErrorCode::data, problem.where, problem.what, problem.hint).text().c_str());
+  }
+}
+
+/// A refused solve must not leave the result of an earlier one in place as if it were the answer.
+void set_aside(const std::filesystem::path& output) {
+  std::error_code error;
+  if (!std::filesystem::exists(output, error)) return;
+  const std::filesystem::path aside = output.parent_path() / (output.stem().string() + ".previous.yaml");
+  std::filesystem::rename(output, aside, error);
+  if (!error) std::fprintf(stderr, "ca2: the earlier result is now %s\n", aside.string().c_str());
+}
+
+Result<int> solve(const SolveArguments& arguments) {
+  if (arguments.session.empty()) {
+    return fail(ErrorCode::unavailable, "", "no daemon is running here",
+                "name the session: `ca2 solve SESSION`");
+  }
+  ExtractOptions extract;
+  extract.cache = !arguments.no_cache;
+  extract.threads = arguments.threads;
+  if (!arguments.views.empty()) {
+    Result<std::vector<int>> ids = parse_id_list(arguments.views);
+    if (!ids) return fail(ids.error());
+    extract.views = std::move(*ids);
+  }
+  const Result<Session> session = open_session(arguments.session);
+  if (!session) return fail(session.error());
+  print_problems(session->warnings);
+
+  Progress progress("finding the board");
+  extract.progress = [&](int done, int total) { progress.show(done, total); };
+  const Result<Extraction> features = extract_features(*session, extract);
+  const std::filesystem::path output =
+      arguments.output.empty() ? session->directory / "result.yaml" : std::filesystem::path(arguments.output);
+  if (!features) {
+    if (features.error().code == ErrorCode::refused) set_aside(output);
+    return fail(features.error());
+  }
+  print_problems(features->problems);
+
+  CalibrateOptions options;
+  options.method = arguments.method == "kim"              ? Method::kim
+                   : arguments.method == "plane_to_plane" ? Method::plane_to_plane
+                                                          : Method::joint;
+  options.estimated = features->estimated;
+  const Result<Calibration> calibration = calibrate(features->rig, features->views, options);
+  if (!calibration) {
+    set_aside(output);
+    return fail(calibration.error());
+  }
+  const Result<void> written = write_atomically(output, to_yaml(*calibration));
+  if (!written) return fail(written.error());
+  if (arguments.json) {
+    std::printf("%s\n", to_json(*calibration).c_str());
+  } else {
+    std::printf("%swritten to %s\n", describe(*calibration).c_str(), output.string().c_str());
+  }
+  return 0;
+}
+
+}  // namespace
+
+CommandBody setup_solve(CLI::App& app) {
+  auto arguments = std::make_shared<SolveArguments>();
+  app.add_option("session", arguments->session, "Session directory");
+  app.add_option("--output,-o", arguments->output, "Result file (default: SESSION/result.yaml)");
+  app.add_option(
+         "--method", arguments->method,
+         "joint: maximum likelihood over corners and ranges; plane_to_plane and kim: the published methods")
+      ->check(CLI::IsMember({"joint", "plane_to_plane", "kim"}))
+      ->capture_default_str();
+  app.add_option("--views", arguments->views, "Use these views only, like 1,4,7-9");
+  app.add_flag("--json", arguments->json, "Print the result as JSON");
+  app.add_flag("--no-cache", arguments->no_cache, "Search every picture and cloud again, keep nothing");
+  app.add_option("--threads", arguments->threads, "Threads for the search (default: one per core)")
+      ->check(CLI::Range(1, 256));
+  app.footer(
+      "Finds the board in every picture and cloud, calibrates all sensors of the rig at once and writes "
+      "result.yaml\n"
+      "with the covariance of every transform. Exit status 1 and no result when the views cannot determine "
+      "the\n"
+      "answer: the message says which direction is weak and how to hold the board to cure it.");
+  return [arguments] { return solve(*arguments); };
+}
+
+}  // namespace ca2
