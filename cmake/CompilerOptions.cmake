@@ -2,8 +2,6 @@
 add_library(ca2_options INTERFACE)
 target_compile_options(ca2_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
                                              -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual)
-# GCC 12 sees uninitialised values inside Eigen's fixed-size kernels that are not there.
-target_compile_options(ca2_options INTERFACE -Wno-maybe-uninitialized)
 # The same picture must give the same answer on every machine: no fused multiply-add where the source has none.
 target_compile_options(ca2_options INTERFACE -ffp-contract=off)
 if(CA2_WERROR)

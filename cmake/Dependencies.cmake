@@ -15,3 +15,4 @@ pkg_check_modules(PCL REQUIRED pcl_common)
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
 # HTTP to sensors. Its .pc file defines the TLS and compression switches the compiled half was built with.
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
