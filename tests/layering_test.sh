@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# Includes run in one direction: core <- drivers <- daemon; tools may use core and drivers. And inside core the folders
+# form layers too. Prints every include against the direction; exit status 1 if there is one.
+set -u
+cd "$(dirname "$0")/.."
+bad=0
+
+# forbid LAYER PATTERN: no file under LAYER includes a path that matches PATTERN.
+forbid() {
+  local found
+  found=$(grep -rnE "^#include \"($2)" "$1" --include=*.h --include=*.cpp --include=*.def 2>/dev/null)
+  [ -z "$found" ] && return
+  echo "$1 must not include $2:"
+  echo "$found"
+  bad=1
+}
+
+forbid core 'drivers/|daemon/|tools/'
+forbid drivers 'daemon/|tools/'
+forbid tools 'daemon/'
+forbid tools/sim 'tools/ca2/'
+
+# types and geometry know nothing else; sensors' sides know no sessions and no solver.
+forbid core/types 'core/(geometry|camera|board|lidar|features|session|solve|report|io|capture)/'
+forbid core/geometry 'core/(camera|board|lidar|features|session|solve|report|io|capture)/'
+forbid core/board 'core/(lidar|features|session|report|io|capture)/'
+forbid core/lidar 'core/(features|session|solve/joint|report|io|capture)/'
+forbid core/session 'core/(features|solve|report|capture)/'
+forbid core/features 'core/(report|capture)/'
+
+# core is pure: no clocks, sockets, devices or logging.
+impure=$(grep -rnE '^#include <(sys/socket|netinet/|arpa/|linux/|spdlog|chrono|ctime|iostream|libusb|arv)' core --include=*.h --include=*.cpp)
+[ -z "$impure" ] || { echo "core must be pure:"; echo "$impure"; bad=1; }
+
+# Files stay small.
+while read -r lines file; do
+  [ "$file" != total ] && [ "$lines" -gt 450 ] && { echo "$file has $lines lines, 450 are the most"; bad=1; }
+done < <(find core drivers tools tests -name '*.cpp' -o -name '*.h' | xargs wc -l)
+
+exit $bad
