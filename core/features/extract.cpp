@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdio>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -44,10 +45,13 @@ void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, co
   for (const std::uint32_t i : taken) on_board[i] = 1;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector3f& p = scan.points[i];
+    const BoardReturn here{
+        p, scan.intensity.empty() ? std::numeric_limits<float>::quiet_NaN() : scan.intensity[i],
+        scan.ring.empty() ? BoardReturn::no_ring : scan.ring[i]};
     if (on_board[i])
-      sight.on_board.push_back(p);
+      sight.on_board.push_back(here);
     else if (p.dot(axis) > static_cast<float>(cosine) * p.norm())
-      sight.around.push_back(p);  // false for NaN, too
+      sight.around.push_back(here);  // false for NaN, too
   }
 }
 

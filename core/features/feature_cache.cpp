@@ -37,9 +37,9 @@ class Writer {
   void put(const double* values, std::size_t count) {
     text_.append(reinterpret_cast<const char*>(values), count * sizeof(double));
   }
-  void put(const std::vector<Eigen::Vector3f>& points) {
+  void put(const std::vector<BoardReturn>& points) {
     put(static_cast<std::uint64_t>(points.size()));
-    text_.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(Eigen::Vector3f));
+    text_.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(BoardReturn));
   }
   const std::string& text() const { return text_; }
 
@@ -58,11 +58,11 @@ class Reader {
     return value;
   }
   void get(double* values, std::size_t count) { take(values, count * sizeof(double)); }
-  std::vector<Eigen::Vector3f> points() {
+  std::vector<BoardReturn> returns() {
     const auto count = get<std::uint64_t>();
-    if (count > text_.size() / sizeof(Eigen::Vector3f)) good_ = false;
-    std::vector<Eigen::Vector3f> list(good_ ? count : 0);
-    take(list.data(), list.size() * sizeof(Eigen::Vector3f));
+    if (count > text_.size() / sizeof(BoardReturn)) good_ = false;
+    std::vector<BoardReturn> list(good_ ? count : 0);
+    take(list.data(), list.size() * sizeof(BoardReturn));
     return list;
   }
   bool good() const { return good_; }
@@ -196,8 +196,8 @@ std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::strin
     reader.get(sight.center.data(), 3);
     sight.rms = reader.get<double>();
     sight.score = reader.get<double>();
-    sight.on_board = reader.points();
-    sight.around = reader.points();
+    sight.on_board = reader.returns();
+    sight.around = reader.returns();
     sights.push_back(std::move(sight));
   }
   if (!reader.good()) return std::nullopt;

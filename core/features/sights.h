@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,15 +19,22 @@ struct CameraSight {
   BoardPose pose;  ///< from this picture alone, with the intrinsics as given
 };
 
+/// A return that lies on the board, or near it.
+struct BoardReturn {
+  static constexpr std::uint16_t no_ring = 0xffff;
+  Eigen::Vector3f point;  ///< sensor frame, m
+  float intensity = 0;    ///< vendor's unit; NaN: not known
+  std::uint16_t ring = no_ring;
+};
+
 /// A LiDAR's possible sight of the board in one view: one hypothesis of several.
 struct LidarSight {
   Plane plane;             ///< sensor frame, as the finder fitted it
   Eigen::Vector3d center;  ///< of the plate as the LiDAR sees it, sensor frame, m: rough in the plane
   double rms = 0;          ///< m
   double score = 0;        ///< the finder's, 0..1
-  std::vector<Eigen::Vector3f> on_board;  ///< returns the finder holds for the board, sensor frame, m
-  std::vector<Eigen::Vector3f>
-      around;  ///< the other returns whose rays pass close to the board, sensor frame, m
+  std::vector<BoardReturn> on_board;  ///< returns the finder holds for the board, sensor frame, m
+  std::vector<BoardReturn> around;    ///< the other returns whose rays pass close to the board
 };
 
 /// One view: what each camera and each LiDAR of the rig saw, by index.

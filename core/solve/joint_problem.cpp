@@ -111,7 +111,7 @@ double JointProblem::add_ranges(const State& state, std::size_t view, int lidar,
   const Eigen::Vector3d m = T_lidar_board.R.col(2);
   const double h = m.dot(T_lidar_board.t);
   if (std::abs(h) < 1e-6) return std::numeric_limits<double>::infinity();
-  const double scale = 1 / (input_.range_sigma[l] * input_.range_sigma[l]);
+  const double scale = input_.views[view].range_weight[l] / (input_.range_sigma[l] * input_.range_sigma[l]);
   Eigen::Vector4d z;
   z << m / h - sums->reference, state.range_bias[l];
   const double cost = scale * sums->at(z);
@@ -288,8 +288,8 @@ double JointProblem::misfit(const State& state, std::size_t view) const {
     Eigen::Vector4d z;
     z << inverse_plane(board_plane(T_lidar_board)) - sums->reference, state.range_bias[i];
     const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
-    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) /
-           (input_.range_sigma[i] * input_.range_sigma[i]);
+    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) *
+           input_.views[view].range_weight[i] / (input_.range_sigma[i] * input_.range_sigma[i]);
   }
   return sum;
 }

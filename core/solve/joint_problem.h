@@ -16,6 +16,7 @@ namespace ca2 {
 struct JointView {
   std::vector<std::vector<Corner>> corners;  ///< by camera; covariance in px^2, already scaled to the truth
   std::vector<std::optional<RangeSums>> ranges;  ///< by LiDAR
+  std::vector<double> range_weight;  ///< by LiDAR, 0..1: lowers a view's share where returns err together
 };
 
 /// A known relative pose of two sensors (a factory stereo pair), with its information.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/solve/board_rays.h"
+#include "core/solve/corner_noise.h"
 #include "core/solve/levenberg_marquardt.h"
 
 namespace ca2 {
@@ -28,6 +29,8 @@ class Solver {
     answer_.chosen = seed.chosen;
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
+    answer_.view_sigma.assign(lidars_, 0);
+    correction_.resize(lidars_);
     answer_.corner_scale.assign(cameras.size(), 1);
     state_.T_ref_camera = seed.T_ref_camera;
     state_.T_ref_lidar = seed.T_ref_lidar;
@@ -59,6 +62,7 @@ class Solver {
     solve(Returns::by_ray);
     solve(Returns::by_ray);
     while (drop_worst()) solve(Returns::by_ray);
+    for (int round = 0; round < 6 && raise_view_noise(); ++round) solve(Returns::by_ray);
     finish();
     return std::move(answer_);
   }
@@ -100,7 +104,6 @@ class Solver {
     active_.clear();
     input_.views.clear();
     input_.range_sigma = answer_.range_sigma;
-    const Outline outline = board_.extent();
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!answer_.views[v].used) continue;
       active_.push_back(v);
@@ -111,23 +114,48 @@ class Solver {
         for (Corner& corner : view.corners[c]) corner.covariance *= scale;
       }
       view.ranges.resize(lidars_);
-      for (std::size_t l = 0; l < lidars_; ++l) {
-        if (answer_.chosen[v][l] < 0) continue;
-        const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
-        if (returns == Returns::as_found) {
-          RangeSums sums;
-          fit_plane_along_rays(sight.on_board, sight.plane, std::max(5 * sight.rms, 0.005), &sums);
-          view.ranges[l] = sums;
-          continue;
-        }
-        const Pose pose = T_lidar_board(v, l);
-        const std::vector<Eigen::Vector3f> inside = returns_through_board(sight, outline, pose, margin(pose));
-        const double gate = 4.5 * answer_.range_sigma[l] + view_slack(v, l);
-        const RangeSums sums =
-            range_sums(inside, inverse_plane(board_plane(pose)), state_.range_bias[l], gate);
-        if (sums.weight >= 4) view.ranges[l] = sums;
-      }
+      view.range_weight.assign(lidars_, 1);
     }
+    for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l, returns);
+  }
+
+  /// The sums of one LiDAR's returns in every view in use.
+  void prepare_ranges(std::size_t l, Returns returns) {
+    const Outline outline = board_.extent();
+    std::vector<std::vector<BoardReturn>> inside(active_.size());
+    std::vector<CorrectionPatch> patches;
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      const std::size_t v = active_[i];
+      if (answer_.chosen[v][l] < 0) continue;
+      const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
+      if (returns == Returns::as_found) {
+        RangeSums sums;
+        fit_plane_along_rays(sight.on_board, sight.plane, std::max(5 * sight.rms, 0.005), &sums);
+        input_.views[i].ranges[l] = sums;
+        continue;
+      }
+      const Pose pose = T_lidar_board(v, l);
+      inside[i] = returns_through_board(sight, outline, pose, margin(pose));
+      if (inside[i].size() < 10) continue;
+      const double gate = this->gate(v, l);
+      patches.push_back(
+          {inside[i], fit_plane_along_rays(inside[i], board_plane(pose), gate, nullptr, correction_[l])});
+    }
+    if (returns == Returns::as_found) return;
+    correction_[l] =
+        estimate_range_correction(patches, answer_.range_sigma[l], 0.01 + 5 * answer_.range_sigma[l]);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      if (inside[i].empty()) continue;
+      const Eigen::Vector3d reference = inverse_plane(board_plane(T_lidar_board(active_[i], l)));
+      const RangeSums sums =
+          range_sums(inside[i], reference, state_.range_bias[l], gate(active_[i], l), correction_[l]);
+      if (sums.weight >= 4) input_.views[i].ranges[l] = sums;
+    }
+  }
+
+  /// Returns further than this from a view's predicted plane are not of the board, m.
+  double gate(std::size_t v, std::size_t l) const {
+    return 0.01 + 4.5 * answer_.range_sigma[l] + view_slack(v, l);
   }
 
   /// A beam is a few milliradians wide: nearer to the rim than this it sees past the board.
@@ -157,6 +185,7 @@ class Solver {
   void solve(Returns returns) {
     prepare(returns);
     estimate_range_noise();
+    weigh_views();
     JointProblem problem(input_);
     JointState active = active_state();
     minimize(problem, active, {.max_iterations = 30});
@@ -187,35 +216,63 @@ class Solver {
     input_.range_sigma = answer_.range_sigma;
   }
 
+  /// n returns that share an error of standard deviation s tell as much as 1 / (1/n + (s / sigma)^2)
+  /// independent ones.
+  void weigh_views() {
+    for (JointView& view : input_.views) {
+      for (std::size_t l = 0; l < lidars_; ++l) {
+        if (!view.ranges[l]) continue;
+        const double ratio = answer_.view_sigma[l] / answer_.range_sigma[l];
+        view.range_weight[l] = 1 / (1 + view.ranges[l]->weight * ratio * ratio);
+      }
+    }
+  }
+
+  /// Sum over the views of their sensors' disagreement, and its expectation from noise alone.
+  std::pair<double, double> total_misfit() const {
+    double misfit = 0;
+    double freedom = -6.0 * static_cast<double>(lidars_);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      misfit += answer_.views[active_[i]].misfit;
+      for (const auto& sums : input_.views[i].ranges) freedom += sums ? 3 : 0;
+    }
+    return {misfit, freedom};
+  }
+
+  /// Where camera and LiDAR disagree by more than noise and chance explain, the returns of a view err
+  /// together (temperature, incidence, flatness): raises view_sigma towards what would explain it. False:
+  /// nothing to raise.
+  bool raise_view_noise() {
+    const auto [misfit, freedom] = total_misfit();
+    if (freedom < 3 || misfit < freedom * (1 + 3 * std::sqrt(2 / freedom))) return false;
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      double returns = 0;
+      double views = 0;
+      for (const JointView& view : input_.views) {
+        if (!view.ranges[l]) continue;
+        returns += view.ranges[l]->weight;
+        views += 1;
+      }
+      if (views == 0) continue;
+      // The variance of a typical view's plane is to grow by the factor that is missing.
+      const double own = answer_.range_sigma[l] * answer_.range_sigma[l] * views / returns;
+      const double now = own + answer_.view_sigma[l] * answer_.view_sigma[l];
+      answer_.view_sigma[l] = std::sqrt(now * misfit / freedom - own);
+    }
+    return true;
+  }
+
   /// Corner noise, from the reprojection residuals at the solution.
   void estimate_corner_noise() {
     for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
-      std::vector<double> squares;
-      double views = 0;
+      CornerNoise noise;
       for (const std::size_t v : active_) {
         if (corners_[v][c].empty()) continue;
-        views += 1;
-        const Pose pose = state_.T_ref_camera[c].inverse() * state_.T_ref_board[v];
-        double sum = 0;
-        for (const Corner& corner : corners_[v][c]) {
-          const Eigen::Vector2d& xy = input_.board_corners[static_cast<std::size_t>(corner.id)];
-          const auto pixel = state_.cameras[c].project(pose * Eigen::Vector3d(xy.x(), xy.y(), 0));
-          if (!pixel) continue;
-          const Eigen::Vector2d e = *pixel - corner.pixel;
-          squares.push_back(e.dot(corner.covariance.ldlt().solve(e)));
-          sum += e.squaredNorm();
-        }
-        answer_.views[v].reprojection_rms = std::sqrt(sum / static_cast<double>(corners_[v][c].size()));
+        const Pose T_camera_board = state_.T_ref_camera[c].inverse() * state_.T_ref_board[v];
+        answer_.views[v].reprojection_rms =
+            noise.add_view(board_, input_.board_corners, state_.cameras[c], T_camera_board, corners_[v][c]);
       }
-      const double freedom = 2 * static_cast<double>(squares.size()) - 6 * views;
-      if (freedom < 10) continue;
-      // The median of the squared whitened errors (2 degrees of freedom each) does not see the few bad
-      // corners.
-      std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2),
-                       squares.end());
-      const double median = squares[squares.size() / 2] / 1.386;
-      answer_.corner_scale[c] =
-          std::max(1e-4, std::sqrt(median * 2 * static_cast<double>(squares.size()) / freedom));
+      if (const auto scale = noise.scale()) answer_.corner_scale[c] = *scale;
     }
   }
 
@@ -239,24 +296,21 @@ class Solver {
 
   void finish() {
     prepare(Returns::by_ray);
+    weigh_views();
     JointProblem problem(input_);
     JointState active = active_state();
     minimize(problem, active, {.max_iterations = 30});
     problem.linearize(active);
     take(active);
-    double misfit = 0;
-    double freedom = -6.0 * static_cast<double>(lidars_);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];
       JointViewOutcome& outcome = answer_.views[v];
       outcome.misfit = problem.misfit(active, i);
-      misfit += outcome.misfit;
       double weight = 0;
       double squares = 0;
       for (std::size_t l = 0; l < lidars_; ++l) {
         const std::optional<RangeSums>& sums = input_.views[i].ranges[l];
         if (!sums) continue;
-        freedom += 3;
         Eigen::Vector4d z;
         z << inverse_plane(board_plane(T_lidar_board(v, l))) - sums->reference, active.range_bias[l];
         squares += 2 * std::max(0.0, sums->at(z));
@@ -265,6 +319,7 @@ class Solver {
       outcome.plane_rms = weight > 0 ? std::sqrt(squares / weight) : 0;
     }
     answer_.state = state_;
+    const auto [misfit, freedom] = total_misfit();
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
     if (freedom > 0 && misfit / freedom > 1 + 3 * std::sqrt(2 / freedom))
       answer_.variance_factor = misfit / freedom;
@@ -310,6 +365,7 @@ class Solver {
   const std::vector<ViewSights>& views_;
   const JointOptions& options_;
   std::size_t lidars_;
+  std::vector<RangeCorrection> correction_;  ///< by LiDAR
   JointInput input_;
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled

@@ -36,6 +36,7 @@ struct JointAnswer {
   std::vector<std::vector<int>> chosen;  ///< [view][lidar]: the hypothesis that is the board, -1: none
   std::vector<double> range_sigma;       ///< by LiDAR, m
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
+  std::vector<double> view_sigma;        ///< by LiDAR, m: error that all returns of a view share
   double variance_factor = 1;            ///< >= 1: how much the views disagree beyond their noise
   Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
                                   ///< empty when any such set would not determine it

@@ -12,11 +12,11 @@ namespace {
 double patch_normal_sigma(const LidarSight& sight) {
   if (sight.on_board.size() < 4) return 0.1;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3f& p : sight.on_board) mean += p.cast<double>();
+  for (const BoardReturn& r : sight.on_board) mean += r.point.cast<double>();
   mean /= static_cast<double>(sight.on_board.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3f& p : sight.on_board) {
-    const Eigen::Vector3d d = p.cast<double>() - mean;
+  for (const BoardReturn& r : sight.on_board) {
+    const Eigen::Vector3d d = r.point.cast<double>() - mean;
     scatter += d * d.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);

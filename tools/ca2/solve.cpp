@@ -12,6 +12,7 @@
 #include "tools/ca2/id_list.h"
 #include "tools/ca2/print_calibration.h"
 #include "tools/ca2/progress.h"
+#include "tools/sim/truth_file.h"
 
 namespace ca2 {
 namespace {
@@ -40,6 +41,22 @@ void set_aside(const std::filesystem::path& output) {
   const std::filesystem::path aside = output.parent_path() / (output.stem().string() + ".previous.yaml");
   std::filesystem::rename(output, aside, error);
   if (!error) std::fprintf(stderr, "ca2: the earlier result is now %s\n", aside.string().c_str());
+}
+
+/// Simulated sessions say what is true: then the error is measured, not only estimated.
+void print_true_errors(const Session& session, const Calibration& calibration) {
+  const std::filesystem::path file = session.directory / "truth.yaml";
+  if (!std::filesystem::exists(file)) return;
+  const Result<std::vector<TrueTransform>> truth = read_true_transforms(file);
+  if (!truth) return print_problems(truth.error().problems);
+  for (const TrueTransform& real : *truth) {
+    for (const CalibratedTransform& found : calibration.transforms) {
+      if (found.parent != real.parent || found.child != real.child) continue;
+      const Vector6d error = found.T_parent_child.difference(real.T_parent_child);
+      std::printf("true error of T_%s_%s: %.2f mm, %.2f mrad (truth.yaml)\n", real.parent.c_str(),
+                  real.child.c_str(), 1e3 * error.tail<3>().norm(), 1e3 * error.head<3>().norm());
+    }
+  }
 }
 
 Result<int> solve(const SolveArguments& arguments) {
@@ -85,7 +102,9 @@ Result<int> solve(const SolveArguments& arguments) {
   if (arguments.json) {
     std::printf("%s\n", to_json(*calibration).c_str());
   } else {
-    std::printf("%swritten to %s\n", describe(*calibration).c_str(), output.string().c_str());
+    std::printf("%s", describe(*calibration).c_str());
+    print_true_errors(*session, *calibration);
+    std::printf("written to %s\n", output.string().c_str());
   }
   return 0;
 }

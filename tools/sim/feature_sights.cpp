@@ -41,7 +41,9 @@ Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<Simu
       sight.plane = fit_plane(points, &sight.rms);
       sight.center.setZero();
       for (const Eigen::Vector3d& p : points) sight.center += p / static_cast<double>(points.size());
-      sight.on_board = scan->second.points;
+      for (std::size_t i = 0; i < scan->second.size(); ++i) {
+        sight.on_board.push_back({scan->second.points[i], scan->second.intensity[i], scan->second.ring[i]});
+      }
       sight.score = 1;
     }
   }

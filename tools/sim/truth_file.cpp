@@ -1,5 +1,7 @@
 #include "tools/sim/truth_file.h"
 
+#include "core/io/files.h"
+#include "core/io/yaml_reader.h"
 #include "core/io/yaml_text.h"
 #include "core/session/pose_yaml.h"
 
@@ -60,6 +62,28 @@ std::string truth_text(const Scenario& scenario, const std::vector<ViewTruth>& v
     }
   }
   return text;
+}
+
+Result<std::vector<TrueTransform>> read_true_transforms(const std::filesystem::path& file) {
+  const Result<std::string> text = read_text(file, max_yaml_bytes);
+  if (!text) return fail(text.error());
+  const Result<YamlNode> root = parse_yaml(*text, file.string());
+  if (!root) return fail(root.error());
+  YamlReader reader(file.string());
+  std::vector<TrueTransform> transforms;
+  const YamlNode* list =
+      reader.map(&*root, "the truth") ? reader.require(*root, "transforms", "the truth") : nullptr;
+  if (list && reader.sequence(list, "'transforms'")) {
+    for (const YamlNode& node : list->items) {
+      if (!reader.map(&node, "a transform", {"parent", "child", "translation", "rotation"})) continue;
+      const auto parent = reader.text(reader.require(node, "parent", "a transform"));
+      const auto child = reader.text(reader.require(node, "child", "a transform"));
+      const auto pose = read_pose(reader, node, "a transform");
+      if (parent && child && pose) transforms.push_back({*parent, *child, *pose});
+    }
+  }
+  if (!reader.problems().empty()) return fail(ErrorCode::data, reader.problems());
+  return transforms;
 }
 
 }  // namespace ca2

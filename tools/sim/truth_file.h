@@ -1,6 +1,7 @@
 /// @file truth.yaml: what is true about simulated data.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,13 @@ struct ViewTruth {
 /// The text of truth.yaml (docs/simulator.md), with 17 significant digits: true transforms of every camera
 /// and LiDAR, true intrinsics, noise of the LiDARs, and the views.
 std::string truth_text(const Scenario& scenario, const std::vector<ViewTruth>& views);
+
+struct TrueTransform {
+  std::string parent, child;
+  Pose T_parent_child;
+};
+
+/// The transforms of a truth.yaml, to measure an answer against.
+Result<std::vector<TrueTransform>> read_true_transforms(const std::filesystem::path& file);
 
 }  // namespace ca2

@@ -1,0 +1,160 @@
+#include "core/solve/range_correction.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/solve/range_sums.h"
+
+namespace ca2 {
+namespace {
+
+constexpr double prior_sigma = 0.015;  // m, of a laser's offset and of a brightness's
+constexpr std::size_t intensity_bins = 8;
+constexpr std::size_t max_rings = 256;
+
+/// Which unknowns there are: rings first, then intensity bins.
+struct Layout {
+  std::size_t rings = 0;
+  std::vector<float> edges;
+
+  std::size_t size() const { return rings + (edges.empty() ? 0 : edges.size() + 1); }
+  std::size_t bin(float intensity) const {
+    return static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), intensity) - edges.begin());
+  }
+};
+
+Layout lay_out(std::span<const CorrectionPatch> patches) {
+  Layout layout;
+  std::vector<float> intensities;
+  bool rings_known = true;
+  for (const CorrectionPatch& patch : patches) {
+    for (const BoardReturn& here : patch.returns) {
+      if (here.ring == BoardReturn::no_ring || here.ring >= max_rings)
+        rings_known = false;
+      else
+        layout.rings = std::max<std::size_t>(layout.rings, here.ring + 1u);
+      if (std::isfinite(here.intensity)) intensities.push_back(here.intensity);
+    }
+  }
+  if (!rings_known) layout.rings = 0;
+  if (intensities.size() < 20 * intensity_bins) return layout;
+  std::sort(intensities.begin(), intensities.end());
+  for (std::size_t i = 1; i < intensity_bins; ++i) {
+    const float edge = intensities[i * intensities.size() / intensity_bins];
+    if (edge > intensities.front() && (layout.edges.empty() || edge > layout.edges.back()))
+      layout.edges.push_back(edge);
+  }
+  return layout;
+}
+
+/// Offsets that grow with the elevation would tilt every board alike: to tell them from a turn of the LiDAR
+/// is the extrinsics' business, not theirs. Holds their mean and their trend over the elevation at zero.
+void hold_tilt(const Layout& layout, std::span<const CorrectionPatch> patches, double total,
+               Eigen::MatrixXd& H) {
+  const auto rings = static_cast<Eigen::Index>(layout.rings);
+  if (rings == 0) return;
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(rings);
+  Eigen::VectorXd elevation = Eigen::VectorXd::Zero(rings);
+  for (const CorrectionPatch& patch : patches) {
+    for (const BoardReturn& here : patch.returns) {
+      const Eigen::Vector3f direction = here.point.normalized();
+      counts(here.ring) += 1;
+      elevation(here.ring) += std::asin(std::clamp(direction.z(), -1.0f, 1.0f));
+    }
+  }
+  elevation.array() /= counts.array().max(1);
+  const double mean = elevation.dot(counts) / counts.sum();
+  Eigen::VectorXd constant = counts;
+  Eigen::VectorXd trend = counts.array() * (elevation.array() - mean);
+  for (Eigen::VectorXd* direction : {&constant, &trend}) {
+    if (!(direction->norm() > 0)) continue;
+    direction->normalize();
+    H.topLeftCorner(rings, rings) += 1e3 * total * *direction * direction->transpose();
+  }
+}
+
+}  // namespace
+
+double RangeCorrection::at(const BoardReturn& here) const {
+  double sum = here.ring < by_ring.size() ? by_ring[here.ring] : 0;
+  if (!by_intensity.empty() && std::isfinite(here.intensity)) {
+    const auto bin = std::upper_bound(intensity_edges.begin(), intensity_edges.end(), here.intensity);
+    sum += by_intensity[static_cast<std::size_t>(bin - intensity_edges.begin())];
+  }
+  return sum;
+}
+
+RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patches, double sigma,
+                                          double gate) {
+  const Layout layout = lay_out(patches);
+  const auto size = static_cast<Eigen::Index>(layout.size());
+  if (size == 0) return {};
+  // Normal equations of the residuals (range - predicted) = correction + plane, the planes eliminated patch
+  // by patch.
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(size);
+  double total = 0;
+  for (const CorrectionPatch& patch : patches) {
+    const Eigen::Vector3d q = inverse_plane(patch.plane);
+    Eigen::Matrix3d Hqq = Eigen::Matrix3d::Zero();
+    Eigen::Matrix<double, 3, Eigen::Dynamic> Hqa = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, size);
+    Eigen::Vector3d gq = Eigen::Vector3d::Zero();
+    for (const BoardReturn& here : patch.returns) {
+      const Eigen::Vector3d p = here.point.cast<double>();
+      const double range = p.norm();
+      const double inverse = p.dot(q) / range;
+      if (!(inverse > 1e-6)) continue;
+      const double predicted = 1 / inverse;
+      const double residual = range - predicted;
+      if (!(std::abs(residual) <= gate)) continue;
+      const Eigen::Vector3d by_plane = -predicted * predicted / range * p;  // of the predicted range
+      Hqq.noalias() += by_plane * by_plane.transpose();
+      gq += residual * by_plane;
+      Eigen::Index touched[2];
+      int count = 0;
+      if (layout.rings > 0) touched[count++] = here.ring;
+      if (!layout.edges.empty() && std::isfinite(here.intensity)) {
+        touched[count++] = static_cast<Eigen::Index>(layout.rings + layout.bin(here.intensity));
+      }
+      for (int i = 0; i < count; ++i) {
+        Hqa.col(touched[i]) += by_plane;
+        g(touched[i]) += residual;
+        counts(touched[i]) += 1;
+        for (int k = 0; k < count; ++k) H(touched[i], touched[k]) += 1;
+      }
+      total += 1;
+    }
+    const Eigen::LDLT<Eigen::Matrix3d> ldlt(Hqq);
+    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) continue;
+    H.noalias() -= Hqa.transpose() * ldlt.solve(Hqa);
+    g.noalias() -= Hqa.transpose() * ldlt.solve(gq);
+  }
+  if (total < 10 * static_cast<double>(size)) return {};
+  H.diagonal().array() += std::pow(sigma / prior_sigma, 2);
+  hold_tilt(layout, patches, total, H);
+  const Eigen::VectorXd offsets = H.ldlt().solve(g);
+  // How much better the residuals become, against what as many meaningless unknowns would bring.
+  const double gain = g.dot(offsets) / (sigma * sigma);
+  const double freedom = static_cast<double>((counts.array() > 0).count());
+  if (!offsets.allFinite() || gain < freedom + 5 * std::sqrt(2 * freedom)) return {};
+  RangeCorrection correction;
+  const auto centred = [&](Eigen::Index first, Eigen::Index count) {
+    const double mean = offsets.segment(first, count).dot(counts.segment(first, count)) /
+                        std::max(1.0, counts.segment(first, count).sum());
+    std::vector<double> values;
+    for (Eigen::Index i = first; i < first + count; ++i)
+      values.push_back(counts(i) > 0 ? offsets(i) - mean : 0);
+    return values;
+  };
+  const auto rings = static_cast<Eigen::Index>(layout.rings);
+  if (rings > 0) correction.by_ring = centred(0, rings);
+  if (size > rings) {
+    correction.intensity_edges = layout.edges;
+    correction.by_intensity = centred(rings, size - rings);
+  }
+  return correction;
+}
+
+}  // namespace ca2

@@ -1,0 +1,36 @@
+/// @file What a LiDAR's ranges are off by, ring by ring and with the brightness of what they hit.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/features/sights.h"
+
+namespace ca2 {
+
+/// Systematic parts of the range errors, m, with mean zero over the returns they were estimated from: a
+/// common part is the range bias. Real units show some 10 mm of both: every laser has its own offset, and
+/// dark print is measured farther away than white paper. Left alone they bend every board and pull the answer
+/// by far more than the noise.
+struct RangeCorrection {
+  std::vector<double> by_ring;         ///< measured minus true
+  std::vector<float> intensity_edges;  ///< rising; bin i holds intensities from edge i - 1 to edge i
+  std::vector<double> by_intensity;    ///< one more than edges, or empty
+
+  double at(const BoardReturn& here) const;
+};
+
+/// The returns of one board, for the estimate.
+struct CorrectionPatch {
+  std::span<const BoardReturn> returns;
+  Plane plane;  ///< near the best fit
+};
+
+/// Estimates both parts together with a plane per patch (eliminated), by regularised least squares: a laser's
+/// offset is held to zero with a standard deviation of 15 mm. Empty where the residuals give no reason for
+/// it: chance alone explains them, or rings and intensities are not known. `sigma`: noise of one return, m;
+/// `gate`: m.
+RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patches, double sigma,
+                                          double gate);
+
+}  // namespace ca2
