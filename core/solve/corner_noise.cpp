@@ -1,6 +1,6 @@
 #include "core/solve/corner_noise.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -14,18 +14,33 @@ constexpr double chi2_median_2 = 1.386;  // of chi-squared with 2 degrees of fre
 double CornerNoise::add_view(const Board& board, std::span<const Eigen::Vector2d> positions,
                              const Camera& camera, const Pose& T_camera_board,
                              std::span<const Corner> corners) {
-  std::vector<Eigen::Vector2d> whitened;
+  const auto count = static_cast<Eigen::Index>(corners.size());
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(2 * count);
+  Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose =
+      Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(2 * count, 6);
   std::vector<Eigen::Vector2d> places;
   double sum = 0;
-  for (const Corner& corner : corners) {
-    const Eigen::Vector2d& xy = positions[static_cast<std::size_t>(corner.id)];
-    const auto pixel = camera.project(T_camera_board * Eigen::Vector3d(xy.x(), xy.y(), 0));
+  ProjectionJacobian jacobian;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Corner& corner = corners[static_cast<std::size_t>(i)];
+    places.push_back(positions[static_cast<std::size_t>(corner.id)]);
+    const Eigen::Vector3d p_board(places.back().x(), places.back().y(), 0);
+    const auto pixel = camera.project(T_camera_board * p_board, &jacobian);
     if (!pixel) continue;
     const Eigen::Vector2d e = *pixel - corner.pixel;
-    whitened.emplace_back(corner.covariance.llt().matrixL().solve(e));
-    places.push_back(xy);
-    squares_.push_back(whitened.back().squaredNorm());
     sum += e.squaredNorm();
+    const Eigen::LLT<Eigen::Matrix2d> whitening(corner.covariance);
+    const Eigen::Matrix<double, 2, 3> by_point = whitening.matrixL().solve(jacobian.point);
+    errors.segment<2>(2 * i) = whitening.matrixL().solve(e);
+    by_pose.block<2, 3>(2 * i, 0) = -by_point * T_camera_board.R * skew(p_board);
+    by_pose.block<2, 3>(2 * i, 3) = by_point * T_camera_board.R;
+  }
+  // What another board pose would take away is the LiDAR's pull, not the corners' error.
+  errors -= by_pose * by_pose.colPivHouseholderQr().solve(errors);
+  std::vector<Eigen::Vector2d> whitened;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    whitened.emplace_back(errors.segment<2>(2 * i));
+    squares_.push_back(whitened.back().squaredNorm());
   }
   views_ += 1;
   for (std::size_t i = 0; i < places.size(); ++i) {
