@@ -17,7 +17,7 @@ namespace ca2 {
 namespace {
 
 /// Counts with every change of a search that can change its features: old cache files then no longer match.
-constexpr int searches_version = 1;
+constexpr int searches_version = 2;
 
 std::string settings_of(const Board& board) {
   std::string text = std::to_string(searches_version);
@@ -72,6 +72,7 @@ Result<std::vector<LidarSight>> search_cloud(const Board& board, const std::file
     LidarSight& sight = sights.emplace_back();
     sight.plane = candidate.plane;
     sight.center = candidate.T_lidar_board.t;
+    if (board.outline && !pick) sight.outline_center = candidate.T_lidar_board.t;
     sight.rms = candidate.rms;
     sight.score = candidate.score;
     gather_around(*scan, candidate.returns, board, sight);

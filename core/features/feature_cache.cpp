@@ -194,6 +194,10 @@ std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::strin
     reader.get(sight.plane.normal.data(), 3);
     sight.plane.offset = reader.get<double>();
     reader.get(sight.center.data(), 3);
+    if (reader.get<std::uint8_t>() != 0) {
+      sight.outline_center.emplace();
+      reader.get(sight.outline_center->data(), 3);
+    }
     sight.rms = reader.get<double>();
     sight.score = reader.get<double>();
     sight.on_board = reader.returns();
@@ -212,6 +216,8 @@ void FeatureCache::store_cloud(const std::string& name, const std::filesystem::p
     writer.put(sight.plane.normal.data(), 3);
     writer.put(sight.plane.offset);
     writer.put(sight.center.data(), 3);
+    writer.put(static_cast<std::uint8_t>(sight.outline_center ? 1 : 0));
+    if (sight.outline_center) writer.put(sight.outline_center->data(), 3);
     writer.put(sight.rms);
     writer.put(sight.score);
     writer.put(sight.on_board);

@@ -30,9 +30,12 @@ struct BoardReturn {
 /// A LiDAR's possible sight of the board in one view: one hypothesis of several.
 struct LidarSight {
   Plane plane;             ///< sensor frame, as the finder fitted it
-  Eigen::Vector3d center;  ///< of the plate as the LiDAR sees it, sensor frame, m: rough in the plane
-  double rms = 0;          ///< m
-  double score = 0;        ///< the finder's, 0..1
+  Eigen::Vector3d center;  ///< of the patch, sensor frame, m: rough
+  /// Centre of the plate from where the returns end at its rim, sensor frame, m; only where the rig gives an
+  /// outline.
+  std::optional<Eigen::Vector3d> outline_center;
+  double rms = 0;                     ///< m
+  double score = 0;                   ///< the finder's, 0..1
   std::vector<BoardReturn> on_board;  ///< returns the finder holds for the board, sensor frame, m
   std::vector<BoardReturn> around;    ///< the other returns whose rays pass close to the board
 };

@@ -205,6 +205,11 @@ class JointReport {
     }
     calibration.validation.reprojection_rms = rms(reprojection);
     calibration.validation.range_rms = rms(range);
+    for (const double offset : answer_.outline_offset) {
+      if (!std::isfinite(offset)) continue;
+      calibration.validation.outline_offset =
+          std::max(offset, calibration.validation.outline_offset.value_or(0));
+    }
   }
 
   const Rig& rig_;

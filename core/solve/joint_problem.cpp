@@ -111,7 +111,7 @@ double JointProblem::add_ranges(const State& state, std::size_t view, int lidar,
   const Eigen::Vector3d m = T_lidar_board.R.col(2);
   const double h = m.dot(T_lidar_board.t);
   if (std::abs(h) < 1e-6) return std::numeric_limits<double>::infinity();
-  const double scale = input_.views[view].range_weight[l] / (input_.range_sigma[l] * input_.range_sigma[l]);
+  const double scale = 1 / (input_.range_sigma[l] * input_.range_sigma[l]);
   Eigen::Vector4d z;
   z << m / h - sums->reference, state.range_bias[l];
   const double cost = scale * sums->at(z);
@@ -156,7 +156,10 @@ double JointProblem::add_view(const State& state, std::size_t view, ViewEquation
   if (equations) clear(*equations);
   double cost = 0;
   for (int c = 0; c < cameras_; ++c) cost += add_corners(state, view, c, equations);
-  for (int l = 0; l < lidars_; ++l) cost += add_ranges(state, view, l, equations);
+  for (int l = 0; l < lidars_; ++l) {
+    cost += add_ranges(state, view, l, equations);
+    cost += add_center(state, view, l, equations);
+  }
   return cost;
 }
 
@@ -270,6 +273,30 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
   return next;
 }
 
+double JointProblem::add_center(const State& state, std::size_t view, int lidar,
+                                ViewEquations* equations) const {
+  const auto l = static_cast<std::size_t>(lidar);
+  const std::optional<CenterSight>& sight = input_.views[view].centers[l];
+  if (!sight) return 0;
+  const Pose T_lidar_board = state.T_ref_lidar[l].inverse() * state.T_ref_board[view];
+  const Eigen::Vector3d p_board(input_.plate_center.x(), input_.plate_center.y(), 0);
+  const Eigen::Vector3d p = T_lidar_board * p_board;
+  const Eigen::Vector3d e = p - sight->center;
+  const double cost = 0.5 * e.dot(sight->information * e);
+  if (!equations) return cost;
+  Eigen::Matrix<double, 3, 12> J;  // by board pose, LiDAR pose
+  J << -T_lidar_board.R * skew(p_board), T_lidar_board.R, skew(p), -Eigen::Matrix3d::Identity();
+  const Eigen::Matrix<double, 12, 12> H = J.transpose() * sight->information * J;
+  const Eigen::Matrix<double, 12, 1> g = J.transpose() * (sight->information * e);
+  const int pose = lidar_pose_index(lidar);
+  equations->Hvv += H.block<6, 6>(0, 0);
+  equations->gv += g.head<6>();
+  equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
+  equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
+  equations->gg.segment<6>(pose) += g.tail<6>();
+  return cost;
+}
+
 double JointProblem::misfit(const State& state, std::size_t view) const {
   double sum = 0;
   ViewEquations equations;
@@ -288,8 +315,8 @@ double JointProblem::misfit(const State& state, std::size_t view) const {
     Eigen::Vector4d z;
     z << inverse_plane(board_plane(T_lidar_board)) - sums->reference, state.range_bias[i];
     const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
-    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) *
-           input_.views[view].range_weight[i] / (input_.range_sigma[i] * input_.range_sigma[i]);
+    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) /
+           (input_.range_sigma[i] * input_.range_sigma[i]);
   }
   return sum;
 }

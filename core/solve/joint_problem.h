@@ -12,11 +12,17 @@
 
 namespace ca2 {
 
+/// Where a LiDAR saw the plate's centre, inside the board's plane.
+struct CenterSight {
+  Eigen::Vector3d center;       ///< sensor frame, m
+  Eigen::Matrix3d information;  ///< 1/m^2; none across the plane
+};
+
 /// What a view contributes, by sensor index. Sensors that did not see the board contribute nothing.
 struct JointView {
   std::vector<std::vector<Corner>> corners;  ///< by camera; covariance in px^2, already scaled to the truth
-  std::vector<std::optional<RangeSums>> ranges;  ///< by LiDAR
-  std::vector<double> range_weight;  ///< by LiDAR, 0..1: lowers a view's share where returns err together
+  std::vector<std::optional<RangeSums>> ranges;     ///< by LiDAR
+  std::vector<std::optional<CenterSight>> centers;  ///< by LiDAR
 };
 
 /// A known relative pose of two sensors (a factory stereo pair), with its information.
@@ -29,8 +35,9 @@ struct RelativePrior {
 
 /// Everything that is held while solving.
 struct JointInput {
-  std::vector<Eigen::Vector2d> board_corners;  ///< by id, board frame, m
-  std::vector<Camera> cameras;                 ///< intrinsics as given: the priors' means
+  std::vector<Eigen::Vector2d> board_corners;              ///< by id, board frame, m
+  Eigen::Vector2d plate_center = Eigen::Vector2d::Zero();  ///< board frame, m
+  std::vector<Camera> cameras;                             ///< intrinsics as given: the priors' means
   std::vector<JointView> views;
   std::vector<RelativePrior> relative;
   std::vector<double> range_sigma;                ///< by LiDAR, m
@@ -92,6 +99,7 @@ class JointProblem {
   double add_view(const State& state, std::size_t view, ViewEquations* equations) const;
   double add_corners(const State& state, std::size_t view, int camera, ViewEquations* equations) const;
   double add_ranges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
+  double add_center(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
   double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference

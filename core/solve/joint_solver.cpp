@@ -15,6 +15,7 @@ namespace {
 /// chi-squared with 3 degrees of freedom: median, and a bound one view in ten thousand exceeds by chance.
 constexpr double chi2_median = 2.366;
 constexpr double chi2_bound = 21.1;
+constexpr double chi2_bound_6 = 27.9;  ///< the same with 6 degrees of freedom
 
 class Solver {
  public:
@@ -30,6 +31,9 @@ class Solver {
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
     answer_.view_sigma.assign(lidars_, 0);
+    answer_.center_sigma.assign(lidars_, 0);
+    answer_.outline_offset.assign(lidars_, std::numeric_limits<double>::quiet_NaN());
+    input_.plate_center = board.extent().center;
     correction_.resize(lidars_);
     answer_.corner_scale.assign(cameras.size(), 1);
     state_.T_ref_camera = seed.T_ref_camera;
@@ -62,8 +66,9 @@ class Solver {
     solve(Returns::by_ray);
     solve(Returns::by_ray);
     while (drop_worst()) solve(Returns::by_ray);
-    for (int round = 0; round < 6 && raise_view_noise(); ++round) solve(Returns::by_ray);
+    explain_misfit();
     finish();
+    add_outlines();
     return std::move(answer_);
   }
 
@@ -114,9 +119,10 @@ class Solver {
         for (Corner& corner : view.corners[c]) corner.covariance *= scale;
       }
       view.ranges.resize(lidars_);
-      view.range_weight.assign(lidars_, 1);
+      view.centers.resize(lidars_);
     }
     for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l, returns);
+    if (use_outlines_) prepare_centers();
   }
 
   /// The sums of one LiDAR's returns in every view in use.
@@ -185,7 +191,7 @@ class Solver {
   void solve(Returns returns) {
     prepare(returns);
     estimate_range_noise();
-    weigh_views();
+    marginalize_view_errors();
     JointProblem problem(input_);
     JointState active = active_state();
     minimize(problem, active, {.max_iterations = 30});
@@ -216,14 +222,12 @@ class Solver {
     input_.range_sigma = answer_.range_sigma;
   }
 
-  /// n returns that share an error of standard deviation s tell as much as 1 / (1/n + (s / sigma)^2)
-  /// independent ones.
-  void weigh_views() {
+  /// Takes the error that the returns of a view share out of their sums.
+  void marginalize_view_errors() {
     for (JointView& view : input_.views) {
       for (std::size_t l = 0; l < lidars_; ++l) {
         if (!view.ranges[l]) continue;
-        const double ratio = answer_.view_sigma[l] / answer_.range_sigma[l];
-        view.range_weight[l] = 1 / (1 + view.ranges[l]->weight * ratio * ratio);
+        view.ranges[l] = view.ranges[l]->with_shared_error(answer_.view_sigma[l], answer_.range_sigma[l]);
       }
     }
   }
@@ -240,26 +244,94 @@ class Solver {
   }
 
   /// Where camera and LiDAR disagree by more than noise and chance explain, the returns of a view err
-  /// together (temperature, incidence, flatness): raises view_sigma towards what would explain it. False:
-  /// nothing to raise.
-  bool raise_view_noise() {
-    const auto [misfit, freedom] = total_misfit();
-    if (freedom < 3 || misfit < freedom * (1 + 3 * std::sqrt(2 / freedom))) return false;
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      double returns = 0;
-      double views = 0;
-      for (const JointView& view : input_.views) {
-        if (!view.ranges[l]) continue;
-        returns += view.ranges[l]->weight;
-        views += 1;
-      }
-      if (views == 0) continue;
-      // The variance of a typical view's plane is to grow by the factor that is missing.
-      const double own = answer_.range_sigma[l] * answer_.range_sigma[l] * views / returns;
-      const double now = own + answer_.view_sigma[l] * answer_.view_sigma[l];
-      answer_.view_sigma[l] = std::sqrt(now * misfit / freedom - own);
+  /// together (temperature, incidence, flatness): finds the shared error that explains it, by bisection on
+  /// its logarithm.
+  void explain_misfit() {
+    const auto excessive = [&] {
+      const auto [misfit, freedom] = total_misfit();
+      return std::pair(freedom >= 3 && misfit > freedom * (1 + 3 * std::sqrt(2 / freedom)), misfit > freedom);
+    };
+    if (!excessive().first) return;
+    double low = std::log(1e-4);   // m
+    double high = std::log(0.05);  // m
+    for (int step = 0; step < 8; ++step) {
+      const double middle = 0.5 * (low + high);
+      answer_.view_sigma.assign(lidars_, std::exp(middle));
+      solve(Returns::by_ray);
+      (excessive().second ? low : high) = middle;
     }
-    return true;
+  }
+
+  /// In-plane vector from where the state has a plate's centre to where the LiDAR's outline has it.
+  std::optional<Eigen::Vector3d> center_error(std::size_t v, std::size_t l) const {
+    if (answer_.chosen[v][l] < 0) return std::nullopt;
+    const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
+    if (!sight.outline_center) return std::nullopt;
+    const Pose pose = T_lidar_board(v, l);
+    const Eigen::Vector3d e =
+        *sight.outline_center - pose * Eigen::Vector3d(input_.plate_center.x(), input_.plate_center.y(), 0);
+    const Eigen::Vector3d normal = pose.R.col(2);
+    return Eigen::Vector3d(e - normal * normal.dot(e));
+  }
+
+  /// Gives the views their plate centres, with the spread they show and less weight for those far off.
+  void prepare_centers() {
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      std::vector<double> errors;
+      for (const std::size_t v : active_) {
+        if (const auto e = center_error(v, l)) errors.push_back(e->norm());
+      }
+      if (errors.size() < 3) continue;
+      std::sort(errors.begin(), errors.end());
+      const double count = static_cast<double>(errors.size());
+      // Median of a Rayleigh distribution: 1.177 sigma. The answer follows the centres in 3 of their 2 n
+      // coordinates.
+      const double sigma = errors[errors.size() / 2] / 1.177 * std::sqrt(2 * count / (2 * count - 3));
+      answer_.center_sigma[l] = std::max(0.002, sigma);
+      for (std::size_t i = 0; i < active_.size(); ++i) {
+        const auto e = center_error(active_[i], l);
+        if (!e || !input_.views[i].ranges[l]) continue;
+        const Eigen::Vector3d normal = T_lidar_board(active_[i], l).R.col(2);
+        const double weight = std::min(1.0, 2 * answer_.center_sigma[l] / std::max(1e-9, e->norm()));
+        input_.views[i].centers[l] =
+            CenterSight{T_lidar_board(active_[i], l) *
+                                Eigen::Vector3d(input_.plate_center.x(), input_.plate_center.y(), 0) +
+                            *e,
+                        weight / std::pow(answer_.center_sigma[l], 2) *
+                            (Eigen::Matrix3d::Identity() - normal * normal.transpose())};
+      }
+    }
+  }
+
+  /// Solves once more with the plates' outlines, which fix the position inside the planes that planes alone
+  /// leave weak. Kept unless the answer moves by more than its uncertainty without them allows.
+  void add_outlines() {
+    bool any = false;
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+      double count = 0;
+      for (const std::size_t v : active_) {
+        if (const auto e = center_error(v, l)) {
+          mean += *e;
+          count += 1;
+        }
+      }
+      if (count > 0) answer_.outline_offset[l] = mean.norm() / count;
+      any = any || count >= 3;
+    }
+    if (!any || !answer_.covariance.allFinite()) return;
+    const JointAnswer without = answer_;
+    use_outlines_ = true;
+    for (int round = 0; round < 4; ++round) solve(Returns::by_ray);
+    finish();
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      const Vector6d change = without.state.T_ref_lidar[l].difference(answer_.state.T_ref_lidar[l]);
+      const Eigen::Index i = 6 * static_cast<Eigen::Index>(answer_.state.T_ref_camera.size() - 1 + l);
+      if (change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6) continue;
+      answer_ = without;
+      answer_.outline_dropped = true;
+      return;
+    }
   }
 
   /// Corner noise, from the reprojection residuals at the solution.
@@ -296,7 +368,7 @@ class Solver {
 
   void finish() {
     prepare(Returns::by_ray);
-    weigh_views();
+    marginalize_view_errors();
     JointProblem problem(input_);
     JointState active = active_state();
     minimize(problem, active, {.max_iterations = 30});
@@ -365,6 +437,7 @@ class Solver {
   const std::vector<ViewSights>& views_;
   const JointOptions& options_;
   std::size_t lidars_;
+  bool use_outlines_ = false;
   std::vector<RangeCorrection> correction_;  ///< by LiDAR
   JointInput input_;
   JointState state_;

@@ -36,8 +36,15 @@ struct JointAnswer {
   std::vector<std::vector<int>> chosen;  ///< [view][lidar]: the hypothesis that is the board, -1: none
   std::vector<double> range_sigma;       ///< by LiDAR, m
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
-  std::vector<double> view_sigma;        ///< by LiDAR, m: error that all returns of a view share
-  double variance_factor = 1;            ///< >= 1: how much the views disagree beyond their noise
+  std::vector<double>
+      view_sigma;  ///< by LiDAR, m: what all returns of a view err by together; 0: nothing seen
+  std::vector<double>
+      center_sigma;  ///< by LiDAR, m: of a plate's centre as its outline shows it; 0: not used
+  std::vector<double>
+      outline_offset;  ///< by LiDAR, m: mean distance of these centres, in the plane, from where the
+                       ///< answer without them has the plates: an independent check; NaN: none
+  bool outline_dropped = false;   ///< the outlines contradict the rest and are not in the answer
+  double variance_factor = 1;     ///< >= 1: how much the views disagree beyond their noise
   Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
                                   ///< empty when any such set would not determine it
 };

@@ -9,6 +9,32 @@ Eigen::Vector3d inverse_plane(const Plane& plane) {
   return -plane.normal / plane.offset;
 }
 
+RangeSums RangeSums::with_shared_error(double shared, double sigma) const {
+  if (!(shared > 0) || !(weight > 0)) return *this;
+  // The residuals' derivative by q is about -rho p: its mean gives the patch's centre.
+  const Eigen::Vector3d mean = -H.topRightCorner<3, 1>() / weight;
+  const Eigen::Vector3d center = mean / std::sqrt(mean.norm());
+  const Eigen::Vector3d normal = reference.normalized();
+  const double distance = 1 / reference.norm();
+  const Eigen::Vector3d across = normal.unitOrthogonal();
+  const Eigen::Vector3d along = normal.cross(across);
+  // q by the displacement along the normal, and by the tilts about the centre.
+  Eigen::Matrix<double, 4, 3> D = Eigen::Matrix<double, 4, 3>::Zero();
+  D.topRows<3>().col(0) = -normal / (distance * distance);
+  D.topRows<3>().col(1) = across / distance - normal * across.dot(center) / (distance * distance);
+  D.topRows<3>().col(2) = along / distance - normal * along.dot(center) / (distance * distance);
+  const Eigen::Matrix3d pivot =
+      D.transpose() * H * D + sigma * sigma / (shared * shared) * Eigen::Matrix3d::Identity();
+  const Eigen::LLT<Eigen::Matrix3d> llt(pivot);
+  const Eigen::Matrix<double, 4, 3> HD = H * D;
+  const Eigen::Vector3d gD = D.transpose() * gradient;
+  RangeSums sums = *this;
+  sums.H -= HD * llt.solve(HD.transpose());
+  sums.gradient -= HD * llt.solve(gD);
+  sums.cost -= 0.5 * gD.dot(llt.solve(gD));
+  return sums;
+}
+
 RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d& reference, double bias,
                      double gate, const RangeCorrection& correction) {
   RangeSums sums;

@@ -25,6 +25,11 @@ struct RangeSums {
   double cost = 0;    ///< m^2
   double weight = 0;  ///< sum of the weights: the effective number of returns
 
+  /// The same with what all these returns err by together marginalised out: a displacement of the plane at
+  /// the patch's centre with standard deviation `shared` [m] and tilts with `shared` radians per metre,
+  /// beside `sigma` [m] of one return. More returns then tell no more than that.
+  RangeSums with_shared_error(double shared, double sigma) const;
+
   /// The cost at (q, b), m^2.
   double at(const Eigen::Vector4d& z) const { return cost + gradient.dot(z) + 0.5 * z.dot(H * z); }
 };
