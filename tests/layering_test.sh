@@ -23,8 +23,10 @@ forbid tools/sim 'tools/ca2/'
 # types and geometry know nothing else; sensors' sides know no sessions and no solver.
 forbid core/types 'core/(geometry|camera|board|lidar|features|session|solve|report|io|capture)/'
 forbid core/geometry 'core/(camera|board|lidar|features|session|solve|report|io|capture)/'
-forbid core/board 'core/(lidar|features|session|report|io|capture)/'
-forbid core/lidar 'core/(features|session|solve/joint|report|io|capture)/'
+forbid core/camera 'core/(board|intrinsics|lidar|features|session|solve|report|io|capture)/'
+forbid core/board 'core/(intrinsics|lidar|features|session|solve|report|io|capture)/'
+forbid core/intrinsics 'core/(lidar|features|session|solve|report|io|capture)/'
+forbid core/lidar 'core/(intrinsics|features|session|solve|report|io|capture)/'
 forbid core/session 'core/(features|solve|report|capture)/'
 forbid core/features 'core/(report|capture)/'
 

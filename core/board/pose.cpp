@@ -5,7 +5,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "core/board/board.h"
-#include "core/solve/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 
 namespace ca2 {
 namespace {

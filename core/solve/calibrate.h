@@ -22,7 +22,7 @@ struct CalibrateOptions {
   /// What is assumed of given intrinsics and of range biases (joint only): standard deviations; 0 holds them.
   double prior_focal = 0.003;  ///< of fx and fy, relative
   double prior_center = 1.0;   ///< of cx and cy, px
-  double prior_bias = 0.020;   ///< of a LiDAR's range bias, m
+  double prior_bias = 0.012;   ///< of a LiDAR's range bias, m
   /// Cameras whose intrinsics were estimated from the same views: standard deviation of each parameter.
   std::map<std::string, Eigen::VectorXd> estimated;
 };

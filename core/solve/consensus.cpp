@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "core/solve/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 #include "core/solve/plane_pairs.h"
 
 namespace ca2 {

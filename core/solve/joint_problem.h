@@ -42,7 +42,7 @@ struct JointInput {
   std::vector<RelativePrior> relative;
   std::vector<double> range_sigma;                ///< by LiDAR, m
   std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
-  double prior_bias = 0.020;                      ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
+  double prior_bias = 0;                          ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
 };
 

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/levenberg_marquardt.h"
 #include "core/solve/board_rays.h"
 #include "core/solve/corner_noise.h"
-#include "core/solve/levenberg_marquardt.h"
+#include "core/solve/outline_centers.h"
 
 namespace ca2 {
 namespace {
@@ -262,43 +263,26 @@ class Solver {
     }
   }
 
-  /// In-plane vector from where the state has a plate's centre to where the LiDAR's outline has it.
   std::optional<Eigen::Vector3d> center_error(std::size_t v, std::size_t l) const {
     if (answer_.chosen[v][l] < 0) return std::nullopt;
     const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
-    if (!sight.outline_center) return std::nullopt;
-    const Pose pose = T_lidar_board(v, l);
-    const Eigen::Vector3d e =
-        *sight.outline_center - pose * Eigen::Vector3d(input_.plate_center.x(), input_.plate_center.y(), 0);
-    const Eigen::Vector3d normal = pose.R.col(2);
-    return Eigen::Vector3d(e - normal * normal.dot(e));
+    return ca2::center_error(sight, T_lidar_board(v, l), input_.plate_center);
   }
 
-  /// Gives the views their plate centres, with the spread they show and less weight for those far off.
+  /// Gives the views their plate centres, with the spread they show.
   void prepare_centers() {
     for (std::size_t l = 0; l < lidars_; ++l) {
-      std::vector<double> errors;
+      std::vector<double> lengths;
       for (const std::size_t v : active_) {
-        if (const auto e = center_error(v, l)) errors.push_back(e->norm());
+        if (const auto error = center_error(v, l)) lengths.push_back(error->norm());
       }
-      if (errors.size() < 3) continue;
-      std::sort(errors.begin(), errors.end());
-      const double count = static_cast<double>(errors.size());
-      // Median of a Rayleigh distribution: 1.177 sigma. The answer follows the centres in 3 of their 2 n
-      // coordinates.
-      const double sigma = errors[errors.size() / 2] / 1.177 * std::sqrt(2 * count / (2 * count - 3));
-      answer_.center_sigma[l] = std::max(0.002, sigma);
+      if (lengths.size() < 3) continue;
+      answer_.center_sigma[l] = center_sigma(std::move(lengths));
       for (std::size_t i = 0; i < active_.size(); ++i) {
-        const auto e = center_error(active_[i], l);
-        if (!e || !input_.views[i].ranges[l]) continue;
-        const Eigen::Vector3d normal = T_lidar_board(active_[i], l).R.col(2);
-        const double weight = std::min(1.0, 2 * answer_.center_sigma[l] / std::max(1e-9, e->norm()));
-        input_.views[i].centers[l] =
-            CenterSight{T_lidar_board(active_[i], l) *
-                                Eigen::Vector3d(input_.plate_center.x(), input_.plate_center.y(), 0) +
-                            *e,
-                        weight / std::pow(answer_.center_sigma[l], 2) *
-                            (Eigen::Matrix3d::Identity() - normal * normal.transpose())};
+        const auto error = center_error(active_[i], l);
+        if (!error || !input_.views[i].ranges[l]) continue;
+        input_.views[i].centers[l] = observe_center(*error, T_lidar_board(active_[i], l), input_.plate_center,
+                                                    answer_.center_sigma[l]);
       }
     }
   }

@@ -15,7 +15,7 @@
 namespace ca2 {
 
 struct JointOptions {
-  double prior_bias = 0.020;                      ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
+  double prior_bias = 0;                          ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
   std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
   std::vector<RelativePrior> relative;
 };

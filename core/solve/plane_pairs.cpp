@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "core/solve/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 
 namespace ca2 {
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "core/board/refine/edge_profile.h"
-#include "core/solve/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 
 namespace ca2 {
 namespace {

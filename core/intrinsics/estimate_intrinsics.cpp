@@ -1,12 +1,12 @@
 // The fits from every starting shape, the gates, and what is said of the best.
-#include "core/camera/estimate_intrinsics.h"
+#include "core/intrinsics/estimate_intrinsics.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
-#include "core/camera/intrinsics_fit.h"
-#include "core/camera/intrinsics_gates.h"
+#include "core/intrinsics/intrinsics_fit.h"
+#include "core/intrinsics/intrinsics_gates.h"
 
 namespace ca2 {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/board/board.h"
-#include "core/camera/intrinsics_bundle.h"
+#include "core/intrinsics/intrinsics_bundle.h"
 
 namespace ca2 {
 

@@ -1,4 +1,4 @@
-#include "core/camera/intrinsics_bundle.h"
+#include "core/intrinsics/intrinsics_bundle.h"
 
 #include <Eigen/Cholesky>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Intrinsics from simulated corners, against truth, against sampling and against OpenCV.
-#include "core/camera/estimate_intrinsics.h"
+#include "core/intrinsics/estimate_intrinsics.h"
 
 #include <gtest/gtest.h>
 

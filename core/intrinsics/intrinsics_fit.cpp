@@ -1,4 +1,4 @@
-#include "core/camera/intrinsics_fit.h"
+#include "core/intrinsics/intrinsics_fit.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/solve/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 
 namespace ca2 {
 namespace {

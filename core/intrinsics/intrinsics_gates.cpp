@@ -1,4 +1,4 @@
-#include "core/camera/intrinsics_gates.h"
+#include "core/intrinsics/intrinsics_gates.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/camera/estimate_intrinsics.h"
+#include "core/intrinsics/estimate_intrinsics.h"
 
 namespace ca2 {
 
