@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
-#include "tests/core/camera/simulated_views.h"
+#include "tests/core/intrinsics/simulated_views.h"
 
 namespace ca2 {
 namespace {
