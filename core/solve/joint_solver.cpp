@@ -233,13 +233,23 @@ class Solver {
     }
   }
 
+  /// Degrees of freedom of a view's misfit: what its sensors say beyond one board pose.
+  double view_freedom(std::size_t i) const {
+    const JointView& view = input_.views[i];
+    const auto seen =
+        std::count_if(view.corners.begin(), view.corners.end(), [](const auto& c) { return !c.empty(); });
+    const auto patches =
+        std::count_if(view.ranges.begin(), view.ranges.end(), [](const auto& r) { return r.has_value(); });
+    return 6.0 * static_cast<double>(seen) + 3.0 * static_cast<double>(patches) - 6.0;
+  }
+
   /// Sum over the views of their sensors' disagreement, and its expectation from noise alone.
   std::pair<double, double> total_misfit() const {
     double misfit = 0;
-    double freedom = -6.0 * static_cast<double>(lidars_);
+    double freedom = -6.0 * static_cast<double>(lidars_ + input_.cameras.size() - 1);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       misfit += answer_.views[active_[i]].misfit;
-      for (const auto& sums : input_.views[i].ranges) freedom += sums ? 3 : 0;
+      freedom += view_freedom(i);
     }
     return {misfit, freedom};
   }
@@ -261,6 +271,10 @@ class Solver {
       solve(Returns::by_ray);
       (excessive().second ? low : high) = middle;
     }
+    if (!excessive().first) return;
+    // It is not the LiDARs that disagree: the covariance makes up for it instead.
+    answer_.view_sigma.assign(lidars_, 0);
+    solve(Returns::by_ray);
   }
 
   std::optional<Eigen::Vector3d> center_error(std::size_t v, std::size_t l) const {
@@ -335,7 +349,9 @@ class Solver {
   /// Takes out the view whose sensors disagree most, if they disagree more than the views at large do.
   bool drop_worst() {
     std::vector<double> misfits;
-    for (const std::size_t v : active_) misfits.push_back(answer_.views[v].misfit);
+    for (std::size_t i = 0; i < active_.size(); ++i) {
+      misfits.push_back(answer_.views[active_[i]].misfit * 3 / std::max(3.0, view_freedom(i)));  // as if 3
+    }
     if (misfits.size() <= 3) return false;
     std::vector<double> sorted = misfits;
     std::sort(sorted.begin(), sorted.end());

@@ -1,6 +1,6 @@
 #include "core/solve/range_correction.h"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,6 @@
 namespace ca2 {
 namespace {
 
-constexpr double prior_sigma = 0.015;  // m, of a laser's offset and of a brightness's
 constexpr std::size_t intensity_bins = 8;
 constexpr std::size_t max_rings = 256;
 
@@ -48,30 +47,70 @@ Layout lay_out(std::span<const CorrectionPatch> patches) {
   return layout;
 }
 
-/// Offsets that grow with the elevation would tilt every board alike: to tell them from a turn of the LiDAR
-/// is the extrinsics' business, not theirs. Holds their mean and their trend over the elevation at zero.
-void hold_tilt(const Layout& layout, std::span<const CorrectionPatch> patches, double total,
-               Eigen::MatrixXd& H) {
+/// Offsets that are the same for all rings, or grow with the elevation, would move or tilt every board alike:
+/// to tell them from a turn of the LiDAR is the extrinsics' business. An orthonormal basis [rings x fewer] of
+/// the others.
+Eigen::MatrixXd free_ring_patterns(const Layout& layout, std::span<const CorrectionPatch> patches) {
   const auto rings = static_cast<Eigen::Index>(layout.rings);
-  if (rings == 0) return;
+  if (rings == 0) return Eigen::MatrixXd(0, 0);
   Eigen::VectorXd counts = Eigen::VectorXd::Zero(rings);
   Eigen::VectorXd elevation = Eigen::VectorXd::Zero(rings);
   for (const CorrectionPatch& patch : patches) {
     for (const BoardReturn& here : patch.returns) {
-      const Eigen::Vector3f direction = here.point.normalized();
       counts(here.ring) += 1;
-      elevation(here.ring) += std::asin(std::clamp(direction.z(), -1.0f, 1.0f));
+      elevation(here.ring) += std::asin(std::clamp(here.point.normalized().z(), -1.0f, 1.0f));
     }
   }
   elevation.array() /= counts.array().max(1);
-  const double mean = elevation.dot(counts) / counts.sum();
-  Eigen::VectorXd constant = counts;
-  Eigen::VectorXd trend = counts.array() * (elevation.array() - mean);
-  for (Eigen::VectorXd* direction : {&constant, &trend}) {
-    if (!(direction->norm() > 0)) continue;
-    direction->normalize();
-    H.topLeftCorner(rings, rings) += 1e3 * total * *direction * direction->transpose();
+  const double mean = elevation.dot(counts) / std::max(1.0, counts.sum());
+  Eigen::MatrixXd held(rings, 2);
+  held.col(0) = counts;
+  held.col(1) = counts.array() * (elevation.array() - mean);
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(held);
+  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(rings, rings);
+  return Q.rightCols(rings - qr.rank());
+}
+
+/// Unknowns x with normal equations S x = g (in units of one return's noise), of which the first `split` and
+/// the others have zero-mean priors of one common size each.
+struct Offsets {
+  Eigen::MatrixXd S;
+  Eigen::VectorXd g;
+  Eigen::Index split = 0;
+};
+
+/// The most probable offsets. The priors' sizes are those under which the data is most probable (zero among
+/// them): what chance explains is left alone, and a pattern that the data hardly shows is not blown up.
+Eigen::VectorXd most_probable(const Offsets& problem) {
+  static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032};  // m
+  const Eigen::Index rest = problem.S.rows() - problem.split;
+  Eigen::VectorXd best = Eigen::VectorXd::Zero(problem.S.rows());
+  double best_evidence = 0;  // of no offsets at all
+  for (const double first : sizes) {
+    if (first > 0 && problem.split == 0) break;
+    for (const double second : sizes) {
+      if (second > 0 && rest == 0) break;
+      const Eigen::Index begin = first > 0 ? 0 : problem.split;
+      const Eigen::Index count = (first > 0 ? problem.split : 0) + (second > 0 ? rest : 0);
+      if (count == 0) continue;
+      Eigen::VectorXd size = Eigen::VectorXd::Constant(count, second);
+      if (first > 0) size.head(problem.split).setConstant(first);
+      const Eigen::MatrixXd scaled =
+          size.asDiagonal() * problem.S.block(begin, begin, count, count) * size.asDiagonal();
+      const Eigen::LLT<Eigen::MatrixXd> llt(scaled + Eigen::MatrixXd::Identity(count, count));
+      if (llt.info() != Eigen::Success) continue;
+      const Eigen::VectorXd g = size.cwiseProduct(problem.g.segment(begin, count));
+      const Eigen::VectorXd x = llt.solve(g);
+      const double log_determinant = 2 * llt.matrixLLT().diagonal().array().log().sum();
+      const double evidence = 0.5 * g.dot(x) - 0.5 * log_determinant;
+      // A doubling of the odds per size tried is not evidence.
+      if (!(evidence > best_evidence + 3)) continue;
+      best_evidence = evidence;
+      best.setZero();
+      best.segment(begin, count) = size.cwiseProduct(x);
+    }
   }
+  return best;
 }
 
 }  // namespace
@@ -131,14 +170,17 @@ RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patch
     H.noalias() -= Hqa.transpose() * ldlt.solve(Hqa);
     g.noalias() -= Hqa.transpose() * ldlt.solve(gq);
   }
-  if (total < 10 * static_cast<double>(size)) return {};
-  H.diagonal().array() += std::pow(sigma / prior_sigma, 2);
-  hold_tilt(layout, patches, total, H);
-  const Eigen::VectorXd offsets = H.ldlt().solve(g);
-  // How much better the residuals become, against what as many meaningless unknowns would bring.
-  const double gain = g.dot(offsets) / (sigma * sigma);
-  const double freedom = static_cast<double>((counts.array() > 0).count());
-  if (!offsets.allFinite() || gain < freedom + 5 * std::sqrt(2 * freedom)) return {};
+  if (total < 4 * static_cast<double>(size)) return {};
+  const auto rings = static_cast<Eigen::Index>(layout.rings);
+  const Eigen::MatrixXd patterns = free_ring_patterns(layout, patches);
+  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(size, patterns.cols() + size - rings);
+  basis.topLeftCorner(rings, patterns.cols()) = patterns;
+  basis.bottomRightCorner(size - rings, size - rings).setIdentity();
+  const double information = 1 / (sigma * sigma);
+  const Eigen::VectorXd offsets =
+      basis * most_probable({information * basis.transpose() * H * basis, information * basis.transpose() * g,
+                             patterns.cols()});
+  if (offsets.isZero()) return {};
   RangeCorrection correction;
   const auto centred = [&](Eigen::Index first, Eigen::Index count) {
     const double mean = offsets.segment(first, count).dot(counts.segment(first, count)) /
@@ -148,7 +190,6 @@ RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patch
       values.push_back(counts(i) > 0 ? offsets(i) - mean : 0);
     return values;
   };
-  const auto rings = static_cast<Eigen::Index>(layout.rings);
   if (rings > 0) correction.by_ring = centred(0, rings);
   if (size > rings) {
     correction.intensity_edges = layout.edges;
