@@ -143,6 +143,7 @@ class Solver {
       }
       const Pose pose = T_lidar_board(v, l);
       inside[i] = returns_through_board(sight, outline, pose, margin(pose));
+      relate_to_white(inside[i]);
       if (inside[i].size() < 10) continue;
       const double gate = this->gate(v, l);
       patches.push_back(

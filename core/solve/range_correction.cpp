@@ -115,6 +115,18 @@ Eigen::VectorXd most_probable(const Offsets& problem) {
 
 }  // namespace
 
+void relate_to_white(std::vector<BoardReturn>& returns) {
+  std::vector<float> intensities;
+  for (const BoardReturn& here : returns) {
+    if (std::isfinite(here.intensity)) intensities.push_back(here.intensity);
+  }
+  if (intensities.empty()) return;
+  const auto quartile = intensities.begin() + static_cast<std::ptrdiff_t>(3 * intensities.size() / 4);
+  std::nth_element(intensities.begin(), quartile, intensities.end());
+  const float white = std::max(*quartile, 1e-6f);
+  for (BoardReturn& here : returns) here.intensity /= white;
+}
+
 double RangeCorrection::at(const BoardReturn& here) const {
   double sum = here.ring < by_ring.size() ? by_ring[here.ring] : 0;
   if (!by_intensity.empty() && std::isfinite(here.intensity)) {

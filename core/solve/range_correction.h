@@ -20,7 +20,11 @@ struct RangeCorrection {
   double at(const BoardReturn& here) const;
 };
 
-/// The returns of one board, for the estimate.
+/// Divides the intensities of one board's returns by their upper quartile: 1 is then the white of the paper,
+/// whatever the distance and the incidence. Offsets by raw intensity would be offsets by distance.
+void relate_to_white(std::vector<BoardReturn>& returns);
+
+/// The returns of one board, for the estimate; intensities related to white.
 struct CorrectionPatch {
   std::span<const BoardReturn> returns;
   Plane plane;  ///< near the best fit
