@@ -4,7 +4,7 @@ set -euo pipefail
 
 packages=(
   # tools
-  build-essential cmake ninja-build pkg-config ccache unzip
+  build-essential cmake ninja-build pkg-config ccache unzip clang-format-14
   # libraries: the README's table says what each is for
   libeigen3-dev libopencv-dev libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev libopencv-contrib-dev
   libpcl-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libexpected-dev libpng-dev libturbojpeg0-dev libpcap-dev libpugixml-dev

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/geometry/levenberg_marquardt.h"
+#include "core/geometry/scaled_inverse.h"
 #include "core/solve/board_rays.h"
 #include "core/solve/corner_noise.h"
 #include "core/solve/outline_centers.h"
@@ -401,17 +402,7 @@ class Solver {
 
   void invert(const JointProblem& problem) {
     const Eigen::MatrixXd information = problem.information();
-    const auto inverse = [](const Eigen::MatrixXd& matrix) -> std::optional<Eigen::MatrixXd> {
-      // Scaled to a unit diagonal first: metres, radians and pixels differ by orders of magnitude.
-      const Eigen::VectorXd scale = matrix.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * matrix *
-                                                                 scale.asDiagonal());
-      if (eigen.info() != Eigen::Success || eigen.eigenvalues()(0) < 1e-13) return std::nullopt;
-      return Eigen::MatrixXd(scale.asDiagonal() * eigen.eigenvectors() *
-                             eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                             eigen.eigenvectors().transpose() * scale.asDiagonal());
-    };
-    const auto covariance = inverse(information);
+    const auto covariance = scaled_inverse(information);
     if (!covariance) {
       answer_.covariance = Eigen::MatrixXd::Constant(information.rows(), information.cols(), 0);
       answer_.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
@@ -425,7 +416,7 @@ class Solver {
     Eigen::VectorXd gradient;
     for (std::size_t i = 0; i < active_.size(); ++i) {
       problem.view_share(i, share, gradient);
-      const auto without = inverse(information - share);
+      const auto without = scaled_inverse(information - share);
       if (!without) {
         answer_.leave_one_out.resize(0, 0);
         return;
