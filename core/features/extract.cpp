@@ -8,8 +8,8 @@
 #include <mutex>
 #include <thread>
 
-#include "core/intrinsics/estimate_intrinsics.h"
 #include "core/features/feature_cache.h"
+#include "core/intrinsics/estimate_intrinsics.h"
 #include "core/io/files.h"
 #include "core/lidar/board_candidate.h"
 

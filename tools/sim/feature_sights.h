@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/session/rig.h"
 #include "core/features/sights.h"
+#include "core/session/rig.h"
 #include "tools/sim/feature_simulator.h"
 
 namespace ca2 {
@@ -12,8 +12,8 @@ namespace ca2 {
 /// The rig as a user would describe it: the scenario's sensors with their true intrinsics.
 Rig rig_of(const Scenario& scenario);
 
-/// The views' features with the rig's (possibly wrong) intrinsics: board poses from the corners, planes from the
-/// returns. Sensors are indexed in the rig's order.
+/// The views' features with the rig's (possibly wrong) intrinsics: board poses from the corners, planes from
+/// the returns. Sensors are indexed in the rig's order.
 Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<SimulatedView>& views);
 
 }  // namespace ca2
