@@ -1,18 +1,12 @@
 #include "core/report/html_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "core/types/text.h"
 
 namespace ca2 {
 namespace {
-
-std::string text(const char* format, auto... values) {
-  std::array<char, 512> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return buffer.data();
-}
 
 std::string escaped(const std::string& raw) {
   std::string out;
@@ -70,7 +64,7 @@ code,pre{font-size:.9rem}pre{overflow-x:auto}@media print{figure{break-inside:av
 std::string transform_rows(const std::string& parent, const std::string& child, const Pose& T,
                            const std::string& sigma) {
   const Eigen::Quaterniond q = T.quaternion();
-  return text(
+  return formatted(
       "<tr><td>T_%s_%s</td><td>%+.5f</td><td>%+.5f</td><td>%+.5f</td><td>%+.6f</td><td>%+.6f</td><td>%+.6f</"
       "td>"
       "<td>%+.6f</td><td>%s</td></tr>\n",
@@ -88,7 +82,7 @@ std::string transforms(const Calibration& calibration) {
       "<th>sigma</th></tr>\n";
   for (const CalibratedTransform& t : calibration.transforms) {
     const std::string sigma =
-        text("%.2f mm, %.2f mrad", 1e3 * t.sigma_translation(), 1e3 * t.sigma_rotation());
+        formatted("%.2f mm, %.2f mrad", 1e3 * t.sigma_translation(), 1e3 * t.sigma_rotation());
     out += transform_rows(t.parent, t.child, t.T_parent_child, sigma);
     out += transform_rows(t.child, t.parent, t.T_parent_child.inverse(), "");
   }
@@ -98,24 +92,24 @@ std::string transforms(const Calibration& calibration) {
 std::string sensors(const Calibration& calibration) {
   std::string out = "<h2>Sensors</h2><ul>\n";
   for (const auto& [name, camera] : calibration.cameras) {
-    out += text("<li>camera <b>%s</b>: %s", escaped(name).c_str(),
-                std::string(camera.camera.model->name()).c_str());
+    out += formatted("<li>camera <b>%s</b>: %s", escaped(name).c_str(),
+                     std::string(camera.camera.model->name()).c_str());
     for (Eigen::Index k = 0; k < camera.camera.parameters.size(); ++k) {
-      out += text(" %.6g", camera.camera.parameters(k));
+      out += formatted(" %.6g", camera.camera.parameters(k));
       if (static_cast<std::size_t>(k) < camera.sigma.size() &&
           camera.sigma[static_cast<std::size_t>(k)] > 0) {
-        out += text(" &plusmn; %.2g", camera.sigma[static_cast<std::size_t>(k)]);
+        out += formatted(" &plusmn; %.2g", camera.sigma[static_cast<std::size_t>(k)]);
       }
       out += k + 1 < camera.camera.parameters.size() ? "," : "";
     }
     out += "</li>\n";
   }
   for (const auto& [name, lidar] : calibration.lidars) {
-    out +=
-        text("<li>LiDAR <b>%s</b>: %.1f mm noise per return", escaped(name).c_str(), 1e3 * lidar.range_sigma);
+    out += formatted("<li>LiDAR <b>%s</b>: %.1f mm noise per return", escaped(name).c_str(),
+                     1e3 * lidar.range_sigma);
     if (lidar.estimated) {
-      out +=
-          text("; range bias %+.1f &plusmn; %.1f mm", 1e3 * lidar.range_bias, 1e3 * lidar.range_bias_sigma);
+      out += formatted("; range bias %+.1f &plusmn; %.1f mm", 1e3 * lidar.range_bias,
+                       1e3 * lidar.range_bias_sigma);
     }
     out += "</li>\n";
   }
@@ -136,11 +130,11 @@ std::string views(const Calibration& calibration) {
       "<th></th></tr>\n";
   for (const CalibratedView& view : calibration.views) {
     if (!view.used) {
-      out += text("<tr><td>%d</td><td colspan=4 class=words>not used</td><td class=words>%s</td></tr>\n",
-                  view.id, escaped(view.reason).c_str());
+      out += formatted("<tr><td>%d</td><td colspan=4 class=words>not used</td><td class=words>%s</td></tr>\n",
+                       view.id, escaped(view.reason).c_str());
       continue;
     }
-    out += text(
+    out += formatted(
         "<tr><td>%d</td><td>%.3f</td><td class=words><span class=bar "
         "style=\"width:%.1frem\"></span></td><td>%.1f</td>"
         "<td class=words><span class=bar style=\"width:%.1frem\"></span></td><td></td></tr>\n",
@@ -153,25 +147,25 @@ std::string views(const Calibration& calibration) {
 std::string verdict(const Calibration& calibration) {
   const Observability& seen = calibration.observability;
   const Validation& checked = calibration.validation;
-  std::string out = text("<p class=\"verdict %s\">Verdict: %s</p><p>", escaped(seen.verdict).c_str(),
-                         escaped(seen.verdict).c_str());
+  std::string out = formatted("<p class=\"verdict %s\">Verdict: %s</p><p>", escaped(seen.verdict).c_str(),
+                              escaped(seen.verdict).c_str());
   const auto used =
       std::count_if(calibration.views.begin(), calibration.views.end(), [](const auto& v) { return v.used; });
-  out += text("%ld of %zu views used. Least certain: %s. ", static_cast<long>(used), calibration.views.size(),
-              escaped(seen.weakest_direction).c_str());
+  out += formatted("%ld of %zu views used. Least certain: %s. ", static_cast<long>(used),
+                   calibration.views.size(), escaped(seen.weakest_direction).c_str());
   if (std::isfinite(checked.leave_one_out_translation)) {
-    out += text("Leaving any one view out moves the answer by %.2f mm and %.2f mrad (rms). ",
-                1e3 * checked.leave_one_out_translation, 1e3 * checked.leave_one_out_rotation);
+    out += formatted("Leaving any one view out moves the answer by %.2f mm and %.2f mrad (rms). ",
+                     1e3 * checked.leave_one_out_translation, 1e3 * checked.leave_one_out_rotation);
   } else {
     out += "Too few views to check the answer by leaving one out. ";
   }
   if (checked.outline_offset) {
-    out +=
-        text("The board's outline, which the solver does not use, sits %.1f mm from where the camera says. ",
-             1e3 * *checked.outline_offset);
+    out += formatted(
+        "The board's outline, which the solver does not use, sits %.1f mm from where the camera says. ",
+        1e3 * *checked.outline_offset);
   }
-  return out + text("Reprojection %.3f px rms, ranges %.1f mm rms.</p>\n", checked.reprojection_rms,
-                    1e3 * checked.range_rms);
+  return out + formatted("Reprojection %.3f px rms, ranges %.1f mm rms.</p>\n", checked.reprojection_rms,
+                         1e3 * checked.range_rms);
 }
 
 }  // namespace
@@ -181,8 +175,9 @@ std::string html_report(const ReportInput& input) {
       "<!doctype html>\n<html lang=en><head><meta charset=utf-8>"
       "<meta name=viewport content=\"width=device-width,initial-scale=1\"><title>" +
       escaped(input.title) + "</title>\n" + style + "</head><body>\n<h1>" + escaped(input.title) + "</h1>\n";
-  out += verdict(input.calibration) + transforms(input.calibration) + sensors(input.calibration) +
-         views(input.calibration);
+  out += verdict(input.calibration);
+  for (const std::string& note : input.calibration.notes) out += "<p>Note: " + escaped(note) + "</p>\n";
+  out += transforms(input.calibration) + sensors(input.calibration) + views(input.calibration);
   if (!input.problems.empty()) {
     out += "<h2>Problems</h2><ul>\n";
     for (const Problem& problem : input.problems) {
@@ -193,14 +188,16 @@ std::string html_report(const ReportInput& input) {
   if (!input.pictures.empty()) out += "<h2>LiDAR points on the pictures</h2>\n";
   for (const ReportPicture& picture : input.pictures) {
     out +=
-        text("<figure><img alt=\"view %d\" src=\"data:image/jpeg;base64,", picture.view) +
+        formatted("<figure><img alt=\"view %d\" src=\"data:image/jpeg;base64,", picture.view) +
         base64(picture.jpeg) + "\">" +
-        text("<figcaption>View %d: %s on %s. %.1f m <span class=scale></span> %.1f m</figcaption></figure>\n",
-             picture.view, escaped(picture.lidar).c_str(), escaped(picture.camera).c_str(), picture.near,
-             picture.far);
+        formatted(
+            "<figcaption>View %d: %s on %s. %.1f m <span class=scale></span> %.1f m</figcaption></figure>\n",
+            picture.view, escaped(picture.lidar).c_str(), escaped(picture.camera).c_str(), picture.near,
+            picture.far);
   }
-  return out + text("<p><small>%s, method %s.</small></p>\n</body></html>\n",
-                    escaped(input.calibration.software).c_str(), escaped(input.calibration.method).c_str());
+  return out + formatted("<p><small>%s, method %s.</small></p>\n</body></html>\n",
+                         escaped(input.calibration.software).c_str(),
+                         escaped(input.calibration.method).c_str());
 }
 
 }  // namespace ca2

@@ -69,6 +69,8 @@ struct Calibration {
   Observability observability;
   Validation validation;
   std::vector<CalibratedView> views;
+  std::vector<std::string>
+      notes;  ///< what a person should know about how the answer came about; may be empty
 };
 
 /// result.yaml's text, 17 significant digits. Every camera has a model.

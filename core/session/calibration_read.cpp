@@ -21,7 +21,7 @@ class CalibrationParser {
     if (root.is_null()) return fail(ErrorCode::data, file_, "is empty");
     if (reader_.map(&root, "the result",
                     {"version", "software", "method", "transforms", "cameras", "lidars", "observability",
-                     "validation", "views"})) {
+                     "validation", "views", "notes"})) {
       const YamlNode* version = reader_.require(root, "version", "the result");
       const auto number = reader_.integer(version, 0, 1000000);
       if (number && *number != 1) {
@@ -36,6 +36,8 @@ class CalibrationParser {
       observability(root.find("observability"));
       validation(root.find("validation"));
       for_list(root.find("views"), [&](const YamlNode& n) { view(n); });
+      for_list(root.find("notes"),
+               [&](const YamlNode& n) { result_.notes.push_back(reader_.text(&n).value_or("")); });
     }
     if (!reader_.problems().empty()) return fail(ErrorCode::data, reader_.problems());
     return std::move(result_);

@@ -113,6 +113,9 @@ std::string to_yaml(const Calibration& calibration) {
   out += "observability: {verdict: " + yaml_string(c.observability.verdict) +
          ", weakest_direction: " + yaml_string(c.observability.weakest_direction) +
          ", condition: " + exact(c.observability.condition) + "}\n";
+  for (std::size_t i = 0; i < c.notes.size(); ++i) {
+    out += (i == 0 ? "notes:\n  - " : "  - ") + yaml_string(c.notes[i]) + "\n";
+  }
   const Validation& v = c.validation;
   out += "validation:\n";
   out += "  leave_one_out: {translation_mm: " + exact(per_milli * v.leave_one_out_translation) +
@@ -141,6 +144,7 @@ std::string to_json(const Calibration& calibration) {
   json["observability"] = {{"verdict", c.observability.verdict},
                            {"weakest_direction", c.observability.weakest_direction},
                            {"condition", c.observability.condition}};
+  if (!c.notes.empty()) json["notes"] = c.notes;
   const Validation& v = c.validation;
   json["validation"] = {
       {"leave_one_out",

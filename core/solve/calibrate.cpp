@@ -9,6 +9,7 @@
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
+#include "core/types/text.h"
 
 namespace ca2 {
 namespace {
@@ -85,6 +86,7 @@ class JointReport {
     if (!refusals.empty()) return fail(ErrorCode::refused, std::move(refusals));
     add_sensors(calibration);
     add_views(calibration);
+    add_notes(calibration);
     return calibration;
   }
 
@@ -189,6 +191,25 @@ class JointReport {
       calibration.lidars[names_.lidars[l]] = {
           answer_.state.range_bias[l], options_.prior_bias > 0 ? std::sqrt(answer_.covariance(i, i)) : 0,
           answer_.range_sigma[l], options_.prior_bias > 0};
+    }
+  }
+
+  void add_notes(Calibration& calibration) const {
+    if (answer_.outline_dropped) {
+      calibration.notes.push_back(
+          "the plates' outlines contradict the planes and were left out: is the outline in the rig right?");
+    }
+    for (std::size_t l = 0; l < names_.lidars.size(); ++l) {
+      if (answer_.view_sigma[l] > 0) {
+        calibration.notes.push_back(
+            formatted("the returns of %s err together, view by view, by %.1f mm: the sigmas include it",
+                      names_.lidars[l].c_str(), 1e3 * answer_.view_sigma[l]));
+      }
+    }
+    if (answer_.variance_factor > 1) {
+      calibration.notes.push_back(
+          formatted("the views disagree %.1f times more than their noise explains: the sigmas include it",
+                    std::sqrt(answer_.variance_factor)));
     }
   }
 

@@ -3,7 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "core/types/text.h"
 
 namespace ca2 {
 namespace {
@@ -18,12 +19,6 @@ constexpr double max_sigma_rotation = 0.05;     // rad
 /// Within this, and cross-checked by a fourth view, it is good.
 constexpr double good_sigma_translation = 0.005;  // m
 constexpr double good_sigma_rotation = 0.005;     // rad
-
-std::string text(const char* format, auto... values) {
-  std::array<char, 256> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), format, values...);
-  return buffer.data();
-}
 
 int largest_axis(const Eigen::Vector3d& v) {
   int axis = 0;
@@ -60,8 +55,8 @@ Result<Observability> judge(const PairEvidence& evidence) {
   const auto count = static_cast<int>(evidence.normals.size());
   if (count < 3) {
     return fail(ErrorCode::refused, pair,
-                text("only %d view%s could be used, and three are the least that determine the answer", count,
-                     count == 1 ? "" : "s"),
+                formatted("only %d view%s could be used, and three are the least that determine the answer",
+                          count, count == 1 ? "" : "s"),
                 "show the board in more places, each at another tilt");
   }
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -72,24 +67,25 @@ Result<Observability> judge(const PairEvidence& evidence) {
   const int flat_axis = largest_axis(spread.eigenvectors().col(0));
   if (tilt < min_tilt) {
     const double second = std::sqrt(std::max(0.0, spread.eigenvalues()(1)));
-    return fail(ErrorCode::refused, pair,
-                text(second < 2 * min_tilt ? "the boards are nearly parallel (tilt varies by %.1f deg): "
-                                             "where the LiDAR sits beside them, and "
-                                             "how it is turned about their normal, is not determined"
-                                           : "the boards' normals lie in one plane (out of it they vary by "
-                                             "%.1f deg): the position across "
-                                             "that plane is not determined",
-                     tilt * degrees),
-                cure(flat_axis));
+    return fail(
+        ErrorCode::refused, pair,
+        formatted(second < 2 * min_tilt ? "the boards are nearly parallel (tilt varies by %.1f deg): "
+                                          "where the LiDAR sits beside them, and "
+                                          "how it is turned about their normal, is not determined"
+                                        : "the boards' normals lie in one plane (out of it they vary by "
+                                          "%.1f deg): the position across "
+                                          "that plane is not determined",
+                  tilt * degrees),
+        cure(flat_axis));
   }
   const double translation = std::sqrt(evidence.covariance.bottomRightCorner<3, 3>().trace());
   const double rotation = std::sqrt(evidence.covariance.topLeftCorner<3, 3>().trace());
   if (!std::isfinite(translation + rotation) || translation > max_sigma_translation ||
       rotation > max_sigma_rotation) {
-    return fail(
-        ErrorCode::refused, pair,
-        text("these views leave %.0f mm and %.1f deg of uncertainty", translation * 1e3, rotation * degrees),
-        std::string(cure(flat_axis)) + "; more views and nearer ones help too");
+    return fail(ErrorCode::refused, pair,
+                formatted("these views leave %.0f mm and %.1f deg of uncertainty", translation * 1e3,
+                          rotation * degrees),
+                std::string(cure(flat_axis)) + "; more views and nearer ones help too");
   }
   // The right perturbation is in the LiDAR's axes; people think in the camera's.
   Matrix6d turn = Matrix6d::Zero();
