@@ -45,6 +45,7 @@ Calibration example() {
   c.observability = {"good", "rotation about the board's vertical: \"yaw\" #1\nsecond line", 12.3};
   c.validation = {0.0012, 0.0008, 0.0021, 0.11, 0.012};
   c.views = {{1, true, "", 0.1, 0.011}, {2, false, "the board's plane: 35 mm off, 9 sigma", 0.3, 0.035}};
+  c.notes = {"the plates' outlines: \"left out\"", "second"};
   return c;
 }
 
@@ -84,6 +85,7 @@ TEST(Calibration, RoundTrips) {
   EXPECT_EQ(read->views[1].reason, c.views[1].reason);
   EXPECT_DOUBLE_EQ(read->views[1].plane_rms, 0.035);
   EXPECT_FALSE(read->views[1].used);
+  EXPECT_EQ(read->notes, c.notes);
 }
 
 TEST(Calibration, AnEmptyOneAndUnknownFiguresRoundTrip) {
