@@ -1,6 +1,7 @@
 #include "core/solve/joint_problem.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -297,15 +298,31 @@ double JointProblem::add_center(const State& state, std::size_t view, int lidar,
   return cost;
 }
 
-double JointProblem::misfit(const State& state, std::size_t view) const {
-  double sum = 0;
+Misfit JointProblem::misfit(const State& state, std::size_t view) const {
+  // A sensor's Newton decrement, twice, is what its own cost could still fall if it had the board pose to
+  // itself. Summed over sensors whose gradients cancel this is their disagreement over its covariance.
+  const auto decrement = [](const auto& H, const auto& g) { return g.dot(H.ldlt().solve(g)); };
+  Misfit misfit;
   ViewEquations equations;
+  Matrix6d H_cameras = Matrix6d::Zero();
+  Vector6d g_cameras = Vector6d::Zero();
   for (int c = 0; c < cameras_; ++c) {
     if (input_.views[view].corners[static_cast<std::size_t>(c)].empty()) continue;
     clear(equations);
-    if (!std::isfinite(add_corners(state, view, c, &equations)))
-      return std::numeric_limits<double>::infinity();
-    sum += equations.gv.dot(equations.Hvv.ldlt().solve(equations.gv));
+    if (!std::isfinite(add_corners(state, view, c, &equations))) {
+      misfit.lidars = misfit.cameras = std::numeric_limits<double>::infinity();
+      return misfit;
+    }
+    misfit.cameras += decrement(equations.Hvv, equations.gv);
+    misfit.camera_freedom += 6;
+    H_cameras += equations.Hvv;
+    g_cameras += equations.gv;
+  }
+  if (misfit.camera_freedom > 0) {
+    const double together = decrement(H_cameras, g_cameras);
+    misfit.cameras = std::max(0.0, misfit.cameras - together);
+    misfit.camera_freedom -= 6;
+    misfit.lidars = together;
   }
   for (int l = 0; l < lidars_; ++l) {
     const auto i = static_cast<std::size_t>(l);
@@ -315,10 +332,15 @@ double JointProblem::misfit(const State& state, std::size_t view) const {
     Eigen::Vector4d z;
     z << inverse_plane(board_plane(T_lidar_board)) - sums->reference, state.range_bias[i];
     const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
-    sum += gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient)) /
-           (input_.range_sigma[i] * input_.range_sigma[i]);
+    const Eigen::Matrix3d H = sums->H.topLeftCorner<3, 3>();
+    misfit.lidars += decrement(H, gradient) / (input_.range_sigma[i] * input_.range_sigma[i]);
+    misfit.lidar_freedom += 3;
   }
-  return sum;
+  // Without a camera the first plane only says where the board is.
+  if (misfit.camera_freedom == 0 && H_cameras.isZero()) {
+    misfit.lidar_freedom = std::max(0, misfit.lidar_freedom - 3);
+  }
+  return misfit;
 }
 
 void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,

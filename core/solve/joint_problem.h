@@ -8,6 +8,7 @@
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
 #include "core/geometry/pose.h"
+#include "core/solve/misfit.h"
 #include "core/solve/range_sums.h"
 
 namespace ca2 {
@@ -71,10 +72,8 @@ class JointProblem {
   double predicted_decrease(const Eigen::VectorXd& step) const;
   State moved(const State& state, const Eigen::VectorXd& step) const;
 
-  /// How far a view's sensors disagree about the board: the sum of what each one's own cost could still fall
-  /// if it had the board pose to itself (Newton decrements, twice): chi-squared with 3 degrees of freedom per
-  /// LiDAR and 6 per further camera.
-  double misfit(const State& state, std::size_t view) const;
+  /// How far a view's sensors disagree about the board at the solution.
+  Misfit misfit(const State& state, std::size_t view) const;
 
   int globals() const { return globals_; }
   int camera_pose_index(int camera) const { return 6 * (camera - 1); }  ///< camera > 0

@@ -14,10 +14,8 @@
 namespace ca2 {
 namespace {
 
-/// chi-squared with 3 degrees of freedom: median, and a bound one view in ten thousand exceeds by chance.
-constexpr double chi2_median = 2.366;
-constexpr double chi2_bound = 21.1;
-constexpr double chi2_bound_6 = 27.9;  ///< the same with 6 degrees of freedom
+/// chi-squared with 6 degrees of freedom: a bound one in ten thousand exceeds by chance.
+constexpr double chi2_bound_6 = 27.9;
 
 class Solver {
  public:
@@ -235,45 +233,38 @@ class Solver {
     }
   }
 
-  /// Degrees of freedom of a view's misfit: what its sensors say beyond one board pose.
-  double view_freedom(std::size_t i) const {
-    const JointView& view = input_.views[i];
-    const auto seen =
-        std::count_if(view.corners.begin(), view.corners.end(), [](const auto& c) { return !c.empty(); });
-    const auto patches =
-        std::count_if(view.ranges.begin(), view.ranges.end(), [](const auto& r) { return r.has_value(); });
-    return 6.0 * static_cast<double>(seen) + 3.0 * static_cast<double>(patches) - 6.0;
-  }
-
-  /// Sum over the views of their sensors' disagreement, and its expectation from noise alone.
-  std::pair<double, double> total_misfit() const {
-    double misfit = 0;
-    double freedom = -6.0 * static_cast<double>(lidars_ + input_.cameras.size() - 1);
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      misfit += answer_.views[active_[i]].misfit;
-      freedom += view_freedom(i);
+  /// Sum over the views of their sensors' disagreement. The relative poses took 6 degrees of freedom each.
+  Misfit total_misfit() const {
+    Misfit sum;
+    sum.lidar_freedom = -6 * static_cast<int>(lidars_);
+    sum.camera_freedom = -6 * (static_cast<int>(input_.cameras.size()) - 1);
+    for (const std::size_t v : active_) {
+      const Misfit& one = answer_.views[v].misfit;
+      sum.lidars += one.lidars;
+      sum.cameras += one.cameras;
+      sum.lidar_freedom += one.lidar_freedom;
+      sum.camera_freedom += one.camera_freedom;
     }
-    return {misfit, freedom};
+    return sum;
   }
 
   /// Where camera and LiDAR disagree by more than noise and chance explain, the returns of a view err
   /// together (temperature, incidence, flatness): finds the shared error that explains it, by bisection on
   /// its logarithm.
   void explain_misfit() {
-    const auto excessive = [&] {
-      const auto [misfit, freedom] = total_misfit();
-      return std::pair(freedom >= 3 && misfit > freedom * (1 + 3 * std::sqrt(2 / freedom)), misfit > freedom);
-    };
-    if (!excessive().first) return;
+    const Misfit before = total_misfit();
+    if (before.lidar_freedom < 3 || misfit_excess(before.lidars, before.lidar_freedom) == 1) return;
     double low = std::log(1e-4);   // m
     double high = std::log(0.05);  // m
     for (int step = 0; step < 8; ++step) {
       const double middle = 0.5 * (low + high);
       answer_.view_sigma.assign(lidars_, std::exp(middle));
       solve(Returns::by_ray);
-      (excessive().second ? low : high) = middle;
+      const Misfit now = total_misfit();
+      (now.lidars > now.lidar_freedom ? low : high) = middle;
     }
-    if (!excessive().first) return;
+    const Misfit after = total_misfit();
+    if (misfit_excess(after.lidars, after.lidar_freedom) == 1) return;
     // It is not the LiDARs that disagree: the covariance makes up for it instead.
     answer_.view_sigma.assign(lidars_, 0);
     solve(Returns::by_ray);
@@ -348,23 +339,16 @@ class Solver {
     }
   }
 
-  /// Takes out the view whose sensors disagree most, if they disagree more than the views at large do.
+  /// Takes out the view whose sensors disagree most, if chance does not explain it.
   bool drop_worst() {
-    std::vector<double> misfits;
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      misfits.push_back(answer_.views[active_[i]].misfit * 3 / std::max(3.0, view_freedom(i)));  // as if 3
-    }
-    if (misfits.size() <= 3) return false;
-    std::vector<double> sorted = misfits;
-    std::sort(sorted.begin(), sorted.end());
-    const double typical = std::max(1.0, sorted[sorted.size() / 2] / chi2_median);
-    const auto worst = std::max_element(misfits.begin(), misfits.end());
-    if (!(*worst > chi2_bound * typical)) return false;
-    JointViewOutcome& outcome = answer_.views[active_[static_cast<std::size_t>(worst - misfits.begin())]];
+    if (active_.size() <= 3) return false;
+    std::vector<Misfit> misfits;
+    for (const std::size_t v : active_) misfits.push_back(answer_.views[v].misfit);
+    const std::optional<WorstView> worst = find_worst_view(misfits);
+    if (!worst) return false;
+    JointViewOutcome& outcome = answer_.views[active_[worst->index]];
     outcome.used = false;
-    outcome.reason = "camera and LiDAR disagree about the board by " +
-                     std::to_string(static_cast<int>(std::lround(std::sqrt(*worst / 3)))) +
-                     " times their noise: it moved, is bent, or another object was taken for it";
+    outcome.reason = worst->reason;
     return true;
   }
 
@@ -393,10 +377,10 @@ class Solver {
       outcome.plane_rms = weight > 0 ? std::sqrt(squares / weight) : 0;
     }
     answer_.state = state_;
-    const auto [misfit, freedom] = total_misfit();
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
-    if (freedom > 0 && misfit / freedom > 1 + 3 * std::sqrt(2 / freedom))
-      answer_.variance_factor = misfit / freedom;
+    const Misfit misfit = total_misfit();
+    answer_.variance_factor = std::max(misfit_excess(misfit.lidars, misfit.lidar_freedom),
+                                       misfit_excess(misfit.cameras, misfit.camera_freedom));
     invert(problem);
   }
 

@@ -24,7 +24,7 @@ struct JointOptions {
 struct JointViewOutcome {
   bool used = false;
   std::string reason;           ///< why not; empty when used
-  double misfit = 0;            ///< chi-squared of the sensors' disagreement
+  Misfit misfit;                ///< of the sensors, at the answer
   double reprojection_rms = 0;  ///< px
   double plane_rms = 0;         ///< m
 };
