@@ -121,9 +121,9 @@ void relate_to_white(std::vector<BoardReturn>& returns) {
     if (std::isfinite(here.intensity)) intensities.push_back(here.intensity);
   }
   if (intensities.empty()) return;
-  const auto quartile = intensities.begin() + static_cast<std::ptrdiff_t>(3 * intensities.size() / 4);
-  std::nth_element(intensities.begin(), quartile, intensities.end());
-  const float white = std::max(*quartile, 1e-6f);
+  const auto decile = intensities.begin() + static_cast<std::ptrdiff_t>(9 * intensities.size() / 10);
+  std::nth_element(intensities.begin(), decile, intensities.end());
+  const float white = std::max(*decile, 1e-6f);
   for (BoardReturn& here : returns) here.intensity /= white;
 }
 

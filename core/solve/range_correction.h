@@ -20,7 +20,7 @@ struct RangeCorrection {
   double at(const BoardReturn& here) const;
 };
 
-/// Divides the intensities of one board's returns by their upper quartile: 1 is then the white of the paper,
+/// Divides the intensities of one board's returns by their highest decile: 1 is then the white of the paper,
 /// whatever the distance and the incidence. Offsets by raw intensity would be offsets by distance.
 void relate_to_white(std::vector<BoardReturn>& returns);
 
