@@ -1,0 +1,79 @@
+/// No initial guess: any relative rotation of the sensors, the same answer for the same input, and for corner
+/// ids that start at the other end of the board.
+#include <Eigen/Geometry>
+#include <cstdio>
+
+#include "core/solve/rig_seed.h"
+#include "tests/tools/solve/trials.h"
+
+namespace ca2 {
+namespace {
+
+Pose random_rotation(std::mt19937_64& rng) {
+  std::normal_distribution<double> normal;
+  const double w = normal(rng), x = normal(rng), y = normal(rng), z = normal(rng);
+  return Pose::from_quaternion(Eigen::Quaterniond(w, x, y, z), Eigen::Vector3d::Zero());
+}
+
+TEST(Convergence, AThousandRelativeRotations) {
+  const ScenarioFile file = load("paper", 2002);
+  const std::vector<SimulatedView> pool = pool_of(file.scenario, 60);
+  const Rig rig = rig_of(file.scenario);
+  const Pose T_camera_lidar = true_transform(file.scenario, "camera", "velodyne");
+  std::mt19937_64 rng(11);
+  int answers = 0;
+  double worst_rotation = 0, worst_nees = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    // The rays start at the sensor's origin: the LiDAR can be turned about it, not moved.
+    const Pose T_turned_lidar = random_rotation(rng);
+    std::vector<SimulatedView> views = draw_subset(pool, 6, rng);
+    for (SimulatedView& view : views) change_lidar_frame(view, "velodyne", T_turned_lidar);
+    const auto answer = calibrate_features(rig, views);
+    if (!answer) continue;
+    ++answers;
+    const TransformError error = error_of(answer->transforms[0], T_camera_lidar * T_turned_lidar.inverse());
+    worst_rotation = std::max(worst_rotation, error.rotation);
+    worst_nees = std::max(worst_nees, error.nees);
+  }
+  std::printf("1000 rotations: %d answers, worst %.2f mrad, worst NEES/6 %.2f\n", answers,
+              1e3 * worst_rotation, worst_nees / 6);
+  EXPECT_EQ(answers, 1000);
+  EXPECT_LT(worst_rotation, 0.02);
+  EXPECT_LT(worst_nees / 6, 25.0 / 3);  // 7 sigma
+}
+
+TEST(Convergence, SameInputSameBits) {
+  for (const char* name : {"os0_t265", "vlp16_blackfly"}) {
+    const ScenarioFile file = load(name, 2003);
+    const std::vector<SimulatedView> views = pool_of(file.scenario, 8);
+    const auto once = calibrate_features(rig_of(file.scenario), views);
+    const auto again = calibrate_features(rig_of(file.scenario), views);
+    ASSERT_TRUE(once && again);
+    EXPECT_EQ(to_yaml(*once), to_yaml(*again));
+    for (std::size_t i = 0; i < once->transforms.size(); ++i) {
+      EXPECT_EQ(once->transforms[i].covariance, again->transforms[i].covariance);
+      EXPECT_EQ(once->transforms[i].T_parent_child.R, again->transforms[i].T_parent_child.R);
+    }
+  }
+}
+
+TEST(Convergence, OneCameraCountsTheCornersFromTheOtherEnd) {
+  const ScenarioFile file = load("os0_t265", 2004);
+  ASSERT_TRUE(file.scenario.board.type->half_turn_ambiguous(file.scenario.board));
+  const int corners = static_cast<int>(file.scenario.board.type->corners(file.scenario.board).size());
+  const Rig rig = rig_of(file.scenario);
+  std::vector<SimulatedView> views = pool_of(file.scenario, 10);
+  const auto plain = calibrate_features(rig, views);
+  for (std::size_t v = 0; v < views.size(); v += 3) turn_ids(views[v].corners.at("right"), corners);
+  turn_ids(views[4].corners.at("left"), corners);
+  const auto turned = calibrate_features(rig, views);
+  ASSERT_TRUE(plain && turned);
+  for (std::size_t i = 0; i < plain->transforms.size(); ++i) {
+    const Vector6d d = plain->transforms[i].T_parent_child.difference(turned->transforms[i].T_parent_child);
+    EXPECT_LT(d.norm(), 1e-6) << plain->transforms[i].parent << " " << plain->transforms[i].child;
+  }
+  for (const CalibratedView& view : turned->views) EXPECT_TRUE(view.used) << view.reason;
+}
+
+}  // namespace
+}  // namespace ca2
