@@ -49,11 +49,11 @@ std::string base64(const std::string& bytes) {
 
 const char* style = R"(<style>
 :root{color-scheme:light dark;--line:#8884;--bar:#4a7ebb;--good:#1a7f37;--weak:#b35900}
-body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:1.5rem auto;padding:0 1rem}
+body{font:16px/1.5 system-ui,sans-serif;max-width:75rem;margin:1.5rem auto;padding:0 1rem}
 h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}
 .scroll{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}
-th,td{padding:.25rem .7rem;border-bottom:1px solid var(--line);text-align:right}
-th:first-child,td:first-child,td.words{text-align:left}
+th,td{padding:.25rem .6rem;white-space:nowrap;border-bottom:1px solid var(--line);text-align:right}
+th:first-child,td:first-child,td.words{text-align:left}td.reason{text-align:left;white-space:normal}
 .verdict{font-size:1.25rem;font-weight:600}.good{color:var(--good)}.weak{color:var(--weak)}
 .bar{display:inline-block;height:.7rem;background:var(--bar);vertical-align:middle}
 img{width:100%;height:auto;display:block}figure{margin:1rem 0}figcaption{font-size:.9rem}
@@ -130,8 +130,8 @@ std::string views(const Calibration& calibration) {
       "<th></th></tr>\n";
   for (const CalibratedView& view : calibration.views) {
     if (!view.used) {
-      out += formatted("<tr><td>%d</td><td colspan=4 class=words>not used</td><td class=words>%s</td></tr>\n",
-                       view.id, escaped(view.reason).c_str());
+      out += formatted("<tr><td>%d</td><td colspan=5 class=reason>not used: %s</td></tr>\n", view.id,
+                       escaped(view.reason).c_str());
       continue;
     }
     out += formatted(
@@ -161,7 +161,7 @@ std::string verdict(const Calibration& calibration) {
   }
   if (checked.outline_offset) {
     out += formatted(
-        "The board's outline, which the solver does not use, sits %.1f mm from where the camera says. ",
+        "The plates' outlines sit %.1f mm (mean) from where the answer without them has the plates. ",
         1e3 * *checked.outline_offset);
   }
   return out + formatted("Reprojection %.3f px rms, ranges %.1f mm rms.</p>\n", checked.reprojection_rms,
