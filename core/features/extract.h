@@ -30,9 +30,9 @@ struct Extraction {
 };
 
 /// Finds the board in every picture and cloud of the session, on all cores. A file that cannot be used is a
-/// problem of its view; only when no view is left (ErrorCode::data), an unknown view is asked for
-/// (ErrorCode::usage) or a camera without intrinsics has too few views to estimate them (ErrorCode::refused)
-/// does the whole fail.
+/// problem of its view. The whole fails only when no file of a sensor can be used (ErrorCode::data), a sensor
+/// never saw the board or has too few views to estimate its intrinsics (ErrorCode::refused), an unknown view
+/// is asked for (ErrorCode::usage), or the rig lacks a camera or a LiDAR (ErrorCode::config).
 Result<Extraction> extract_features(const Session& session, const ExtractOptions& options);
 
 }  // namespace ca2

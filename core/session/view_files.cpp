@@ -69,7 +69,9 @@ SessionView list_view(const fs::path& directory, int id, const std::set<std::str
   for (const fs::path& file : files) {
     const std::string name = file.filename().string(), sensor = file.stem().string(), kind = file.extension();
     if (name.front() == '.') continue;
-    if (name == "view.yaml") {
+    if (fs::is_other(file, error)) {  // reading a pipe would wait for ever
+      warnings.push_back({file.string(), "is not a regular file: not used", {}});
+    } else if (name == "view.yaml") {
       read_details(file, lidars, view, warnings);
     } else if (kind == ".png" && cameras.count(sensor)) {
       view.images[sensor] = file;

@@ -22,6 +22,12 @@ struct Scan {
 
   std::size_t size() const { return points.size(); }
   bool empty() const { return points.empty(); }
+  /// How many of the points are returns, not NaN.
+  std::size_t returns() const {
+    std::size_t count = 0;
+    for (const Eigen::Vector3f& point : points) count += point.allFinite() ? 1 : 0;
+    return count;
+  }
 };
 
 }  // namespace ca2

@@ -4,12 +4,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/features/search.h"
 #include "core/io/files.h"
 #include "core/io/yaml.h"
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
 #include "core/session/session.h"
 #include "tools/ca2/command.h"
+#include "tools/sim/scenario_file.h"
+#include "tools/sim/truth_file.h"
 
 namespace ca2 {
 namespace {
@@ -41,8 +44,7 @@ std::string image_text(const Image& image) {
 }
 
 std::string scan_text(const Scan& scan) {
-  std::size_t valid = 0;
-  for (const Eigen::Vector3f& point : scan.points) valid += point.allFinite();
+  const std::size_t valid = scan.returns();
   std::string text = std::to_string(scan.size()) + " points";
   if (valid != scan.size()) text += ", " + std::to_string(valid) + " of them returns";
   if (scan.rings > 0) text += ", " + std::to_string(scan.rings) + " rings";
@@ -87,12 +89,7 @@ void check_view(const SessionView& view, const Rig& rig, Finding& finding) {
     }
   }
   for (const auto& [name, file] : view.clouds) {
-    const Result<Scan> scan = read_pcd(file);
-    if (!scan) {
-      finding.add(scan.error());
-    } else if (scan->empty()) {
-      finding.add(Error(ErrorCode::data, file.string(), "the cloud has no points"));
-    }
+    if (const Result<Scan> scan = read_cloud(file); !scan) finding.add(scan.error());
   }
 }
 
@@ -105,6 +102,9 @@ Finding check_session(const fs::path& directory) {
   }
   finding.summary = std::to_string(session->views.size()) + " views; " + rig_text(session->rig);
   finding.warnings = session->warnings;
+  if (session->views.empty()) {
+    finding.warnings.push_back({(directory / "views").string(), "there are no views yet", {}});
+  }
   for (const SessionView& view : session->views) check_view(view, session->rig, finding);
   const fs::path result = directory / "result.yaml";
   if (fs::exists(result)) {
@@ -127,7 +127,17 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
   const std::vector<std::string> extra = name == "recording.yaml"
                                              ? std::vector<std::string>{"start"}
                                              : std::vector<std::string>{"software", "created"};
-  if (has("transforms") || name == "result.yaml") {
+  if (has("scene") || has("truth")) {
+    finding.kind = "scenario";
+    take(finding, read_scenario(file), [](const ScenarioFile& scenario) {
+      return std::to_string(scenario.scenario.views) + " views of " + rig_text(scenario.rig);
+    });
+  } else if (has("scenario")) {
+    finding.kind = "truth";
+    take(finding, read_true_transforms(file), [](const std::vector<TrueTransform>& truth) {
+      return std::to_string(truth.size()) + " transforms";
+    });
+  } else if (has("transforms") || name == "result.yaml") {
     finding.kind = "result";
     take(finding, parse_calibration(text, file.string()), calibration_text);
   } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml" ||
@@ -166,7 +176,7 @@ Finding check_file(const fs::path& file) {
   }
   if (extension == ".pcd") {
     finding.kind = "PCD cloud";
-    take(finding, read_pcd(file), scan_text);
+    take(finding, read_cloud(file), scan_text);
     return finding;
   }
   const Result<std::string> text = read_text(file, max_yaml_bytes);
@@ -230,8 +240,9 @@ int run_check(const CheckOptions& options) {
 
 CommandBody setup_check(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  app.add_option("FILE", options->files,
-                 "Rig, session (directory or session.yaml), recording, result, PNG, PCD, camera intrinsics")
+  app.add_option(
+         "FILE", options->files,
+         "Rig, session (directory or session.yaml), recording, result, scenario, PNG, PCD, camera intrinsics")
       ->required();
   app.add_flag("--json", options->json, "Print the findings as JSON");
   app.footer(

@@ -1,11 +1,14 @@
 #include "tools/ca2/command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 #include <vector>
 
 #include "ca2_version.h"
+#include "core/io/yaml_reader.h"
 
 namespace ca2 {
 
@@ -50,6 +53,12 @@ int run_command_line(int argc, char** argv) {
   std::vector<CommandBody> bodies;
   for (const Command& command : commands()) {
     bodies.push_back(command.setup(*app.add_subcommand(command.name, command.help)));
+  }
+  std::vector<std::string_view> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    return report(
+        Error(ErrorCode::usage, "", std::string("no command '") + argv[1] + "'", suggest(argv[1], names)));
   }
   try {
     app.parse(argc, argv);

@@ -27,10 +27,11 @@ struct SolveArguments {
   int threads = 0;
 };
 
-void print_problems(const std::vector<Problem>& problems) {
+/// They do not stop the solve: it does without what they are about.
+void print_warnings(const std::vector<Problem>& problems) {
   for (const Problem& problem : problems) {
-    std::fprintf(stderr, "ca2: %s\n",
-                 Error(ErrorCode::data, problem.where, problem.what, problem.hint).text().c_str());
+    const Error line(ErrorCode::data, problem.where, "warning: " + problem.what, problem.hint);
+    std::fprintf(stderr, "ca2: %s\n", line.text().c_str());
   }
 }
 
@@ -48,7 +49,7 @@ void print_true_errors(const Session& session, const Calibration& calibration) {
   const std::filesystem::path file = session.directory / "truth.yaml";
   if (!std::filesystem::exists(file)) return;
   const Result<std::vector<TrueTransform>> truth = read_true_transforms(file);
-  if (!truth) return print_problems(truth.error().problems);
+  if (!truth) return print_warnings(truth.error().problems);
   for (const TrueTransform& real : *truth) {
     for (const CalibratedTransform& found : calibration.transforms) {
       if (found.parent != real.parent || found.child != real.child) continue;
@@ -74,7 +75,7 @@ Result<int> solve(const SolveArguments& arguments) {
   }
   const Result<Session> session = open_session(arguments.session);
   if (!session) return fail(session.error());
-  print_problems(session->warnings);
+  print_warnings(session->warnings);
 
   Progress progress("finding the board");
   extract.progress = [&](int done, int total) { progress.show(done, total); };
@@ -85,7 +86,7 @@ Result<int> solve(const SolveArguments& arguments) {
     if (features.error().code == ErrorCode::refused) set_aside(output);
     return fail(features.error());
   }
-  print_problems(features->problems);
+  print_warnings(features->problems);
 
   CalibrateOptions options;
   options.method = arguments.method == "kim"              ? Method::kim

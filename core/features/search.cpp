@@ -1,0 +1,211 @@
+#include "core/features/search.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdio>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include "core/io/files.h"
+#include "core/lidar/board_candidate.h"
+
+namespace ca2 {
+namespace {
+
+/// Counts with every change of a search that can change its features: old cache files then no longer match.
+constexpr int searches_version = 2;
+
+std::string settings_of(const Board& board) {
+  std::string text = std::to_string(searches_version);
+  const Outline extent = board.extent();
+  for (const double value : {static_cast<double>(board.columns), static_cast<double>(board.rows),
+                             board.square, board.marker, board.spacing, extent.width, extent.height,
+                             extent.center.x(), extent.center.y(), board.outline ? 1.0 : 0.0}) {
+    char buffer[40];
+    std::snprintf(buffer, sizeof buffer, " %.17g", value);
+    text += buffer;
+  }
+  return std::string(board.type->name()) + ' ' + board.dictionary + text;
+}
+
+/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre: what
+/// edges and the choice of returns by ray are made from.
+void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, const Board& board,
+                   LidarSight& sight) {
+  const Outline extent = board.extent();
+  const double distance = sight.center.norm();
+  const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
+  const double cosine = std::cos(std::atan2(radius, distance));
+  const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
+  std::vector<char> on_board(scan.size(), 0);
+  for (const std::uint32_t i : taken) on_board[i] = 1;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    const BoardReturn here{
+        p, scan.intensity.empty() ? std::numeric_limits<float>::quiet_NaN() : scan.intensity[i],
+        scan.ring.empty() ? BoardReturn::no_ring : scan.ring[i]};
+    if (on_board[i])
+      sight.on_board.push_back(here);
+    else if (p.dot(axis) > static_cast<float>(cosine) * p.norm())
+      sight.around.push_back(here);  // false for NaN, too
+  }
+}
+
+Result<std::vector<LidarSight>> search_cloud(const Board& board, const std::filesystem::path& file,
+                                             const Pick* pick) {
+  const Result<Scan> scan = read_cloud(file);
+  if (!scan) return fail(scan.error());
+  std::vector<BoardCandidate> candidates;
+  if (pick) {
+    Result<BoardCandidate> picked = fit_picked_patch(*scan, board, pick->row, pick->column, pick->radius);
+    if (!picked) return fail(picked.error());
+    candidates.push_back(std::move(*picked));
+  } else {
+    candidates = find_board_candidates(*scan, board);
+  }
+  std::vector<LidarSight> sights;
+  for (const BoardCandidate& candidate : candidates) {
+    LidarSight& sight = sights.emplace_back();
+    sight.plane = candidate.plane;
+    sight.center = candidate.T_lidar_board.t;
+    if (board.outline && !pick) sight.outline_center = candidate.T_lidar_board.t;
+    sight.rms = candidate.rms;
+    sight.score = candidate.score;
+    gather_around(*scan, candidate.returns, board, sight);
+  }
+  return sights;
+}
+
+Result<ImageFeatures> search_image(const Board& board, const std::filesystem::path& file) {
+  const Result<Image> image = read_png(file);
+  if (!image) return fail(image.error());
+  return ImageFeatures{image->width, image->height, detect_board(board, *image)};
+}
+
+void run(SensorFile& file, const Board& board, const FeatureCache& cache, const std::string& view_name) {
+  std::string name = view_name + '/' + file.sensor + ".features";
+  if (file.pick) {  // a pick is a setting of this one file: it goes into the cached features' name
+    name += '.' + std::to_string(file.pick->row) + '.' + std::to_string(file.pick->column) + '.' +
+            std::to_string(file.pick->radius);
+  }
+  if (file.is_image) {
+    if (auto kept = cache.load_image(name, file.path)) {
+      file.image = std::move(*kept);
+      file.cached = true;
+      return;
+    }
+    Result<ImageFeatures> found = search_image(board, file.path);
+    if (!found) {
+      file.error = found.error();
+      return;
+    }
+    file.image = std::move(*found);
+    cache.store_image(name, file.path, file.image);
+    return;
+  }
+  if (auto kept = cache.load_cloud(name, file.path)) {
+    file.cloud = std::move(*kept);
+    file.cached = true;
+    return;
+  }
+  Result<std::vector<LidarSight>> found = search_cloud(board, file.path, file.pick);
+  if (!found) {
+    file.error = found.error();
+    return;
+  }
+  file.cloud = std::move(*found);
+  cache.store_cloud(name, file.path, file.cloud);
+}
+
+/// Runs body(0) .. body(count - 1) on several threads; progress is called from this one.
+void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& body,
+                 const std::function<void(int, int)>& progress) {
+  std::atomic<std::size_t> next{0};
+  std::size_t done = 0;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::jthread> workers;
+  for (int t = 0; t < threads; ++t) {
+    workers.emplace_back([&] {
+      for (std::size_t i = next++; i < count; i = next++) {
+        body(i);
+        const std::lock_guard lock(mutex);
+        ++done;
+        changed.notify_one();
+      }
+    });
+  }
+  std::unique_lock lock(mutex);
+  for (std::size_t shown = 0; shown < count;) {
+    changed.wait(lock, [&] { return done > shown; });
+    shown = done;
+    lock.unlock();
+    if (progress) progress(static_cast<int>(shown), static_cast<int>(count));
+    lock.lock();
+  }
+}
+
+/// "the session has 8 views, 1 to 8": for whoever asked for another one.
+std::string view_range(const Session& session) {
+  if (session.views.empty()) return "the session has no views";
+  return "the session has " + std::to_string(session.views.size()) + " views, from " +
+         std::to_string(session.views.front().id) + " to " + std::to_string(session.views.back().id);
+}
+
+}  // namespace
+
+Result<Scan> read_cloud(const std::filesystem::path& file) {
+  Result<Scan> scan = read_pcd(file);
+  if (!scan || scan->returns() > 0) return scan;
+  return fail(ErrorCode::data, file.string(),
+              scan->empty() ? "the cloud has no points"
+                            : "none of the cloud's " + std::to_string(scan->size()) + " points is a return");
+}
+
+Result<std::vector<SensorFile>> list_files(const Session& session, const std::vector<int>& wanted) {
+  std::vector<SensorFile> files;
+  for (const int id : wanted) {
+    const auto has_id = [&](const SessionView& view) { return view.id == id; };
+    if (std::none_of(session.views.begin(), session.views.end(), has_id)) {
+      return fail(ErrorCode::usage, session.directory.string(), "there is no view " + std::to_string(id),
+                  view_range(session));
+    }
+  }
+  for (std::size_t v = 0; v < session.views.size(); ++v) {
+    const SessionView& view = session.views[v];
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), view.id) == wanted.end()) continue;
+    const auto add = [&](const std::string& sensor, const std::filesystem::path& path, bool is_image,
+                         const Pick* pick) {
+      SensorFile& file = files.emplace_back();
+      file.view = v;
+      file.sensor = sensor;
+      file.path = path;
+      file.is_image = is_image;
+      file.pick = pick;
+    };
+    for (const auto& [camera, file] : view.images) add(camera, file, true, nullptr);
+    for (const auto& [lidar, file] : view.clouds) {
+      const auto pick = view.picks.find(lidar);
+      add(lidar, file, false, pick == view.picks.end() ? nullptr : &pick->second);
+    }
+  }
+  if (files.empty()) {
+    return fail(ErrorCode::data, session.directory.string(), "the session has no views",
+                "a view is a directory views/000001 with one PNG per camera and one PCD per LiDAR");
+  }
+  return files;
+}
+
+void search(const Session& session, std::vector<SensorFile>& files, const ExtractOptions& options) {
+  const FeatureCache cache(options.cache ? session.directory / "cache" : std::filesystem::path(),
+                           settings_of(session.rig.board));
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const auto body = [&](std::size_t i) {
+    run(files[i], session.rig.board, cache, session.views[files[i].view].directory.filename().string());
+  };
+  in_parallel(files.size(), options.threads > 0 ? options.threads : cores, body, options.progress);
+}
+
+}  // namespace ca2
