@@ -1,0 +1,70 @@
+/// @file check as a person runs it: one line per file on stdout, problems on stderr, the gravest status.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/io/files.h"
+#include "tests/tools/ca2/small_session.h"
+
+namespace ca2 {
+namespace {
+
+using namespace ca2::test;
+namespace fs = std::filesystem;
+
+using CheckCommand = SmallSession;
+
+TEST_F(CheckCommand, KnowsEveryKindOfFile) {
+  ASSERT_EQ(solve().status, 0);
+  const std::vector<std::pair<fs::path, std::string>> kinds{
+      {session, "session, sound: 8 views"},
+      {session / "session.yaml", "session.yaml, sound: checkerboard 8 x 5"},
+      {result(), "result, sound: 1 transforms by joint, 8 views"},
+      {session / "truth.yaml", "truth, sound: 1 transforms"},
+      {picture(1), "PNG picture, sound: 640 x 480, 8 bit grey"},
+      {cloud(1), "PCD cloud, sound: "},
+      {fs::path(CA2_SOURCE_DIR) / "config" / "scenarios" / "paper.yaml", "scenario, sound: "},
+  };
+  std::vector<std::string> arguments{"check"};
+  for (const auto& [file, words] : kinds) arguments.push_back(file);
+  const Outcome run = run_ca2(arguments);
+  EXPECT_EQ(run.status, 0);
+  EXPECT_EQ(run.errors, "");
+  EXPECT_EQ(std::count(run.output.begin(), run.output.end(), '\n'), static_cast<long>(kinds.size()));
+  for (const auto& [file, words] : kinds) {
+    EXPECT_NE(run.output.find(file.string() + ": " + words), std::string::npos) << words << "\n"
+                                                                                << run.output;
+  }
+}
+
+TEST_F(CheckCommand, TheGravestStatusCounts) {
+  write_bytes(result(), "garbage\n");
+  write_bytes(folder / "rig.yaml", "version: 1\nboard: {type: chequerboard}\n");
+  write_bytes(folder / "short.png", bytes_of(picture(1)).substr(0, 500));
+  const auto status = [&](const fs::path& file) { return run_ca2({"check", file}).status; };
+  EXPECT_EQ(status(result()), 65);
+  EXPECT_EQ(status(session), 65);
+  EXPECT_EQ(status(folder / "short.png"), 65);
+  EXPECT_EQ(status(folder / "nowhere.yaml"), 74);
+  EXPECT_EQ(status(folder / "nowhere.png"), 74);
+  EXPECT_EQ(status(session / "views"), 74);
+  EXPECT_EQ(status(folder / "rig.yaml"), 78);
+  EXPECT_EQ(run_ca2({"check"}).status, 64);
+  const Outcome all = run_ca2({"check", "--json", folder / "short.png", folder / "rig.yaml", picture(1)});
+  EXPECT_EQ(all.status, 78);
+  const auto findings = nlohmann::json::parse(all.output);
+  ASSERT_EQ(findings.size(), 3u);
+  EXPECT_EQ(findings.at(0).at("ok"), false);
+  EXPECT_EQ(findings.at(0).at("problems").at(0).at("where"), (folder / "short.png").string());
+  EXPECT_GT(findings.at(1).at("problems").size(), 1u) << "all problems of a file, not the first";
+  EXPECT_EQ(findings.at(2).at("ok"), true);
+}
+
+TEST_F(CheckCommand, ASessionWithoutViewsIsSoundWithAWarning) {
+  fs::remove_all(session / "views");
+  const Outcome run = run_ca2({"check", session});
+  EXPECT_EQ(run.status, 0);
+  EXPECT_NE(run.errors.find("views: warning: there are no views yet"), std::string::npos) << run.errors;
+}
+
+}  // namespace
+}  // namespace ca2
