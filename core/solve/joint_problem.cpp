@@ -1,6 +1,7 @@
 #include "core/solve/joint_problem.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -191,8 +192,12 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     cost += 0.5 * e.dot(prior.information * e);
     if (!H) continue;
     Eigen::Matrix<double, 6, Eigen::Dynamic> J = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, globals_);
-    if (sensor_index(prior.b) >= 0) J.middleCols<6>(sensor_index(prior.b)) += Matrix6d::Identity();
-    if (sensor_index(prior.a) >= 0) J.middleCols<6>(sensor_index(prior.a)) -= adjoint(T_a_b.inverse());
+    // Of e by a perturbation of b: the error's own rotation turns it.
+    Matrix6d by_b = Matrix6d::Zero();
+    by_b.topLeftCorner<3, 3>() = so3_right_jacobian(e.head<3>()).inverse();
+    by_b.bottomRightCorner<3, 3>() = prior.T_a_b.R.transpose() * T_a_b.R;
+    if (sensor_index(prior.b) >= 0) J.middleCols<6>(sensor_index(prior.b)) += by_b;
+    if (sensor_index(prior.a) >= 0) J.middleCols<6>(sensor_index(prior.a)) -= by_b * adjoint(T_a_b.inverse());
     *H += J.transpose() * prior.information * J;
     *g += J.transpose() * prior.information * e;
   }

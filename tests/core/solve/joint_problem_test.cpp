@@ -36,7 +36,8 @@ struct Example {
     Pose T_camera_lidar;
     T_camera_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     state.T_ref_camera = {Pose{}, Pose{}.perturbed(small(0.05, 0.2))};
-    state.T_ref_lidar = {T_camera_lidar.perturbed(small(0.1, 0.1)), T_camera_lidar.perturbed(small(0.1, 0.1))};
+    state.T_ref_lidar = {T_camera_lidar.perturbed(small(0.1, 0.1)),
+                         T_camera_lidar.perturbed(small(0.1, 0.1))};
     state.cameras = input.cameras;
     state.cameras[0].parameters(0) += 1.5;
     state.cameras[1].parameters(3) -= 0.7;
@@ -69,8 +70,9 @@ struct Example {
                                       1e4 * (Eigen::Matrix3d::Identity() - n * n.transpose())};
       }
     }
-    input.relative.push_back({1, 3, (state.T_ref_camera[1].inverse() * state.T_ref_lidar[1]).perturbed(small(0.01, 0.01)),
-                              1e3 * Matrix6d::Identity()});
+    input.relative.push_back(
+        {1, 3, (state.T_ref_camera[1].inverse() * state.T_ref_lidar[1]).perturbed(small(0.01, 0.01)),
+         1e3 * Matrix6d::Identity()});
   }
 };
 
@@ -117,17 +119,16 @@ TEST(JointProblem, EliminationGivesTheStepOfTheWholeSystem) {
     }
   }
   const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::VectorXd dense =
-      -scale.asDiagonal() *
-      (scale.asDiagonal() * H * scale.asDiagonal()).ldlt().solve(Eigen::VectorXd(scale.cwiseProduct(g)));
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(scale.asDiagonal() * H * scale.asDiagonal());
+  const Eigen::VectorXd scaled_g = scale.cwiseProduct(g);
+  const Eigen::VectorXd dense = -scale.cwiseProduct(Eigen::VectorXd(ldlt.solve(scaled_g)));
   const auto step = problem.step(0);
   ASSERT_TRUE(step);
-  for (Eigen::Index k = 0; k < size; ++k) EXPECT_NEAR((*step)(k), dense(k), 1e-6 * (scale(k) + std::abs(dense(k)))) << k;
+  for (Eigen::Index k = 0; k < size; ++k)
+    EXPECT_NEAR((*step)(k), dense(k), 1e-6 * (scale(k) + std::abs(dense(k)))) << k;
   // The information of the globals is the inverse of their block of the whole covariance.
   const Eigen::MatrixXd covariance =
-      scale.asDiagonal() *
-      (scale.asDiagonal() * H * scale.asDiagonal()).ldlt().solve(Eigen::MatrixXd::Identity(size, size)) *
-      scale.asDiagonal();
+      scale.asDiagonal() * ldlt.solve(Eigen::MatrixXd::Identity(size, size)) * scale.asDiagonal();
   const Eigen::MatrixXd product =
       covariance.topLeftCorner(problem.globals(), problem.globals()) * problem.information();
   const Eigen::VectorXd s = scale.head(problem.globals());
