@@ -127,7 +127,7 @@ TEST_F(Refusal, ReportNeedsAResultItCanRead) {
   EXPECT_EQ(before.status, 65);
   EXPECT_NE(before.errors.find("run `ca2 solve"), std::string::npos) << before.errors;
   for (const std::string& garbage : {std::string("version: 1\nmethod: [\n"), std::string(5000, '\0'),
-                                    std::string("no result at all\n"), std::string()}) {
+                                     std::string("no result at all\n"), std::string()}) {
     write_bytes(result(), garbage);
     const Outcome run = run_ca2({"report", session});
     EXPECT_EQ(run.status, 65) << run.errors;
