@@ -181,15 +181,6 @@ Pose pose_of_triple(const std::array<Choice, 3>& triple, const ConsensusOptions&
   return T;
 }
 
-double normal_spread(const std::vector<ConsensusView>& views, const Consensus& consensus) {
-  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    if (consensus.patch[v] >= 0) normals += views[v].camera.normal * views[v].camera.normal.transpose();
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normals / std::max(1, consensus.agreeing));
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()(0)));
-}
-
 /// All hypotheses of a view, the board's front first.
 std::vector<PatchPlane> with_backs(const ConsensusView& view) {
   std::vector<PatchPlane> all = view.patches;
@@ -206,10 +197,8 @@ Consensus match_hypotheses(const std::vector<ConsensusView>& views, const Pose& 
   for (const ConsensusView& view : views) {
     const Match match = best_match(view, T, options);
     consensus.patch.push_back(match.patch);
-    consensus.from_behind.push_back(match.behind);
     consensus.agreeing += match.patch >= 0 ? 1 : 0;
   }
-  consensus.normal_spread = normal_spread(views, consensus);
   return consensus;
 }
 

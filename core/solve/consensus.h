@@ -37,11 +37,9 @@ struct ConsensusOptions {
 };
 
 struct Consensus {
-  Pose T_camera_lidar;            ///< from the agreeing views' planes and centres
-  std::vector<int> patch;         ///< per view: index of the agreeing hypothesis, -1 where none agrees
-  std::vector<bool> from_behind;  ///< per view: the LiDAR looks at the board's back
+  Pose T_camera_lidar;     ///< from the agreeing views' planes and centres
+  std::vector<int> patch;  ///< per view: index of the agreeing hypothesis, -1 where none agrees
   int agreeing = 0;
-  double normal_spread = 0;  ///< smallest singular value of the agreeing camera normals over sqrt(n): 0..0.58
 };
 
 /// Searches triples of views (and of their hypotheses) for the relative pose on which most views agree:

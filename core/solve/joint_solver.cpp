@@ -21,7 +21,7 @@ class Solver {
  public:
   Solver(const Board& board, const std::vector<Camera>& cameras, int lidars,
          const std::vector<ViewSights>& views, const RigSeed& seed, const JointOptions& options)
-      : board_(board), views_(views), options_(options), lidars_(static_cast<std::size_t>(lidars)) {
+      : board_(board), views_(views), lidars_(static_cast<std::size_t>(lidars)) {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
@@ -411,7 +411,6 @@ class Solver {
 
   const Board& board_;
   const std::vector<ViewSights>& views_;
-  const JointOptions& options_;
   std::size_t lidars_;
   bool use_outlines_ = false;
   std::vector<RangeCorrection> correction_;  ///< by LiDAR
