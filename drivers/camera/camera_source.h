@@ -1,0 +1,85 @@
+/// @file What every camera driver is: pictures with host times, pulled by one capture thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/camera_model.h"
+#include "core/geometry/pose.h"
+#include "core/session/rig.h"
+#include "core/types/image.h"
+#include "core/types/result.h"
+
+namespace ca2 {
+
+struct CameraFrame {
+  int stream = 0;                      ///< which of the device's imagers: index into CameraSource::streams
+  std::shared_ptr<const Image> image;  ///< grey or colour, full depth and size
+  std::int64_t time = 0;               ///< ns UTC, host clock: the middle of the exposure
+  std::int64_t time_sigma = 0;         ///< ns
+  std::uint64_t sequence = 0;          ///< the device's own count
+};
+
+enum class CameraEvent {
+  frame,
+  timeout,  ///< nothing came in time; ask again
+  stopped,  ///< interrupt() was called; stays so
+  lost,     ///< the device is gone: close it and open it again
+  end,      ///< a folder has no more; stays so
+};
+
+struct CameraPoll {
+  CameraEvent event = CameraEvent::timeout;
+  CameraFrame frame;   ///< when event is frame
+  std::string reason;  ///< when event is lost: what was noticed
+};
+
+/// One imager of a device. A T265 has two; their frames of one `sequence` belong together.
+struct CameraStream {
+  std::string name;  ///< "" for a device of one imager; T265: "left", "right"
+  int width = 0, height = 0;
+  std::string format;                ///< the device's own name of its pixel format
+  std::optional<Camera> intrinsics;  ///< factory calibration where the device has one
+  std::optional<Pose> T_first_this;  ///< maps this imager's points to the first's, from the factory
+};
+
+/// Counts since opening; every frame that is not delivered is in one of them.
+struct CameraCounters {
+  std::uint64_t frames = 0;      ///< delivered
+  std::uint64_t incomplete = 0;  ///< damaged or partly lost on the way: never used
+  std::uint64_t missed = 0;      ///< gaps in the device's own count
+  std::uint64_t overrun = 0;     ///< dropped by us because nobody took them in time
+};
+
+/// An open device. One thread calls next(); interrupt() and counters() may be called from any.
+class CameraSource {
+ public:
+  CameraSource() = default;
+  CameraSource(const CameraSource&) = delete;
+  CameraSource& operator=(const CameraSource&) = delete;
+  virtual ~CameraSource() = default;
+
+  virtual const std::vector<CameraStream>& streams() const = 0;
+  /// "Allied Vision Manta G-145B, serial 50-0503..., firmware 1.2": for people and logs.
+  virtual std::string description() const = 0;
+
+  virtual Result<void> start() = 0;
+  virtual CameraPoll next(std::chrono::milliseconds timeout) = 0;
+  virtual void stop() = 0;
+  /// Makes next() answer `stopped`, at once and from then on.
+  virtual void interrupt() noexcept = 0;
+
+  /// Changes one control ("exposure_us", "gain_db", "frame_rate", "trigger": "off" or "software") without
+  /// holding up next().
+  virtual Result<void> set_control(const std::string& name, const std::string& value) = 0;
+  virtual std::map<std::string, std::string> controls() const = 0;
+
+  virtual CameraCounters counters() const = 0;
+};
+
+}  // namespace ca2
