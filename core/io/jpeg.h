@@ -1,7 +1,8 @@
-/// @file JPEG pictures in memory: what reports embed.
+/// @file JPEG pictures in memory: what reports embed, and what cameras and recordings give.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "core/types/image.h"
 #include "core/types/result.h"
@@ -10,5 +11,10 @@ namespace ca2 {
 
 /// An 8-bit grey or colour picture as a JPEG file, `quality` 1..100.
 Result<std::string> encode_jpeg(const Image& image, int quality);
+
+/// A grey or colour JPEG at 8 bits; Motion-JPEG without Huffman tables has the standard ones (ITU-T T.81,
+/// annex K.3). Whatever is damaged or cut short is ErrorCode::data: half a picture is none. At most 30000 x
+/// 30000 pixels and 512 MiB of them. `name` is what errors call the picture.
+Result<Image> decode_jpeg(std::string_view bytes, const std::string& name);
 
 }  // namespace ca2

@@ -48,6 +48,13 @@ struct CameraStream {
   std::optional<Pose> T_first_this;  ///< maps this imager's points to the first's, from the factory
 };
 
+/// One adjustable value of a device, as it is now.
+struct CameraControl {
+  std::string value;    ///< as last read back from the device
+  std::string limits;   ///< "10 to 1000000", "off, software": for people
+  std::string problem;  ///< why the last change did not take; empty when it did
+};
+
 /// Counts since opening; every frame that is not delivered is in one of them.
 struct CameraCounters {
   std::uint64_t frames = 0;      ///< delivered
@@ -56,7 +63,7 @@ struct CameraCounters {
   std::uint64_t overrun = 0;     ///< dropped by us because nobody took them in time
 };
 
-/// An open device. One thread calls next(); interrupt() and counters() may be called from any.
+/// An open device. One thread calls start(), next() and stop(); the others may be called from any.
 class CameraSource {
  public:
   CameraSource() = default;
@@ -74,10 +81,19 @@ class CameraSource {
   /// Makes next() answer `stopped`, at once and from then on.
   virtual void interrupt() noexcept = 0;
 
-  /// Changes one control ("exposure_us", "gain_db", "frame_rate", "trigger": "off" or "software") without
-  /// holding up next().
+  /// Pictures per second to expect; 0: they come when they come (a trigger, a folder). A source watches over
+  /// it itself and answers `lost` or `timeout`.
+  virtual double frame_rate() const = 0;
+
+  /// Changes one control ("exposure_us", "gain_db", "frame_rate", "trigger": "off" or "software"). Answers at
+  /// once, from any thread, and holds up neither next() nor the caller: name and value are checked here, the
+  /// device is written to by the driver's own thread, and controls() says what became of it.
   virtual Result<void> set_control(const std::string& name, const std::string& value) = 0;
-  virtual std::map<std::string, std::string> controls() const = 0;
+  virtual std::map<std::string, CameraControl> controls() const = 0;
+  /// One picture now, where the control "trigger" is "software". As set_control.
+  virtual Result<void> trigger() {
+    return fail(ErrorCode::usage, description(), "has no software trigger", "");
+  }
 
   virtual CameraCounters counters() const = 0;
 };

@@ -1,13 +1,12 @@
 #include "drivers/net/udp_source.h"
 
 #include <poll.h>
-#include <sys/eventfd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 
+#include "drivers/net/stop_event.h"
 #include "drivers/net/udp_receiver.h"
 
 namespace ca2 {
@@ -16,8 +15,7 @@ struct UdpSource::State {
   std::vector<UdpSocket> sockets;
   std::vector<UdpReceiver> receivers;  ///< of each socket
   DatagramFilter filter;
-  UniqueFd wake;  ///< an eventfd that is written once, by stop()
-  std::atomic<bool> stopped{false};
+  StopEvent stopped;
   std::vector<pollfd> polled;
   std::vector<Datagram> datagrams;
   PacketCounters counters;
@@ -51,8 +49,7 @@ Result<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& optio
   Result<std::vector<IpAddress>> sources = parse_sources(options.sources);
   if (!sources) return fail(std::move(sources.error()));
   state->filter.sources = std::move(*sources);
-  state->wake = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-  if (!state->wake.valid()) return fail(ErrorCode::io, "eventfd", std::strerror(errno));
+  if (!state->stopped.valid()) return fail(ErrorCode::io, "eventfd", std::strerror(errno));
   for (const std::uint16_t port : options.ports) {
     UdpSocketOptions socket = options.socket;
     socket.port = port;
@@ -62,7 +59,7 @@ Result<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& optio
     state->receivers.emplace_back(opened->fd.get(), opened->port, options.largest_payload);
     state->sockets.push_back(std::move(*opened));
   }
-  state->polled.push_back({state->wake.get(), POLLIN, 0});
+  state->polled.push_back({state->stopped.fd(), POLLIN, 0});
   return std::unique_ptr<UdpSource>(new UdpSource(std::move(state)));
 }
 
@@ -71,7 +68,7 @@ Result<PacketBatch> UdpSource::next_batch(std::chrono::milliseconds timeout) {
   State& state = *state_;
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
-    if (state.stopped.load(std::memory_order_acquire)) return PacketBatch{PacketEvent::stopped, {}};
+    if (state.stopped.is_set()) return PacketBatch{PacketEvent::stopped, {}};
     if (auto received = state.receive(); !received) return fail(std::move(received.error()));
     if (!state.datagrams.empty()) return PacketBatch{PacketEvent::packets, state.datagrams};
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
@@ -84,10 +81,7 @@ Result<PacketBatch> UdpSource::next_batch(std::chrono::milliseconds timeout) {
 }
 
 void UdpSource::stop() noexcept {
-  state_->stopped.store(true, std::memory_order_release);
-  const std::uint64_t one = 1;
-  // Cannot fail but when the counter is full, and then the reader is awake.
-  [[maybe_unused]] const auto written = ::write(state_->wake.get(), &one, sizeof one);
+  state_->stopped.set();
 }
 
 const PacketCounters& UdpSource::counters() const {
