@@ -16,3 +16,6 @@ pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
 # HTTP to sensors. Its .pc file defines the TLS and compression switches the compiled half was built with.
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
+# No CMake package of LCM in Debian: pkg-config, and lcm-gen by hand (messages/CMakeLists.txt).
+pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
