@@ -12,6 +12,14 @@ packages=(
   liblcm-dev liblcm-bin libsodium-dev
   # tests
   libgtest-dev
+  # tests against device interfaces: a guest machine with Debian's own kernel
+  qemu-system-x86
+  busybox-static
+  cpio
+  kmod
+  udev
+  iproute2
+  systemd
 )
 
 missing=()
