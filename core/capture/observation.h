@@ -27,6 +27,9 @@ struct LidarObservation {
   std::int64_t time = 0;  ///< ns UTC, host clock: the middle of the revolution
   std::shared_ptr<const Scan> scan;
   std::vector<LidarSight> sights;  ///< hypotheses, best first; empty: no board found
+  /// By sight: share of its returns that lie where nothing was before, 0..1; NaN: not known yet. A board that
+  /// a person brought is new there; furniture of its size is not.
+  std::vector<double> novelty;
   bool searched = true;
 };
 

@@ -5,9 +5,10 @@ namespace ca2 {
 
 struct CaptureOptions {
   bool automatic = true;
-  double dwell = 0.6;                      ///< s the board must be still
-  double camera_motion = 1.0;              ///< px: largest corner motion over the dwell that counts as still
-  double lidar_motion = 0.015;             ///< m: largest plane and centre motion over the dwell
+  double dwell = 0.6;           ///< s the board must be still
+  double board_motion = 0.004;  ///< m: largest motion of the corners over the dwell, as a camera sees it;
+                                ///< never less than half a pixel. Hands tremble by a millimetre or two
+  double lidar_motion = 0.015;  ///< m: largest motion of the plane over the dwell, as a LiDAR sees it
   double target_sigma_translation = 2e-3;  ///< m: the stop rule
   double target_sigma_rotation = 1e-3;     ///< rad
   int max_views = 1000;

@@ -19,7 +19,8 @@
 
 namespace ca2 {
 
-/// To be written (session.h, write_view); the answer goes to CapturePipeline::stored.
+/// To be written (session.h, write_view) and searched again (extract.h, extract_view), so that the features
+/// are those that a later `ca2 solve` finds; the answer goes to CapturePipeline::stored.
 struct StoreView {
   int id = 0;
   std::map<std::string, Image> images;  ///< by camera: the mean over the hold
@@ -27,9 +28,11 @@ struct StoreView {
   std::string details;                  ///< view.yaml
 };
 
-/// To be solved; the answer goes to CapturePipeline::solved. A newer request replaces one under way.
+/// To be solved (solve_views.h); the answer goes to CapturePipeline::solved. A newer request replaces one
+/// under way.
 struct SolveViews {
   std::uint64_t number = 0;
+  std::shared_ptr<const Rig> rig;  ///< with the pictures' sizes filled in
   std::shared_ptr<const std::vector<ViewSights>> views;
 };
 
@@ -69,7 +72,7 @@ class CapturePipeline {
   CaptureActions solve(std::int64_t time);
 
   /// The host's answers. A view counts from `stored` on.
-  CaptureActions stored(std::int64_t time, int id, const Result<void>& answer);
+  CaptureActions stored(std::int64_t time, int id, Result<ViewSights> answer);
   CaptureActions solved(std::int64_t time, std::uint64_t number, const Result<Calibration>& answer);
 
   CaptureStatus status(std::int64_t now) const;

@@ -37,6 +37,15 @@ class Assembly {
     return std::move(result_);
   }
 
+  /// One view, whatever the others have.
+  Result<ViewSights> make_view(std::size_t v) {
+    settle_picture_sizes();
+    for (const SensorFile& file : files_) {
+      if (file.error) return fail(*file.error);
+    }
+    return sights_of(v);
+  }
+
  private:
   void add_problems(const std::vector<Problem>& problems) {
     result_.problems.insert(result_.problems.end(), problems.begin(), problems.end());
@@ -166,6 +175,10 @@ class Assembly {
       std::optional<CameraSight>& sight = sights.cameras.emplace_back();
       SensorFile* file = usable_file(v, name, true, sights.problem);
       if (!file || file->image.corners.empty()) continue;
+      if (!camera.intrinsics) {
+        sight = CameraSight{std::move(file->image.corners), {}};
+        continue;
+      }
       Result<BoardPose> pose =
           estimate_board_pose(result_.rig.board, *camera.intrinsics, file->image.corners);
       if (pose)
@@ -197,6 +210,14 @@ Result<Extraction> extract_features(const Session& session, const ExtractOptions
   if (!files) return fail(files.error());
   search(session, *files, options);
   return Assembly(session, std::move(*files)).make();
+}
+
+Result<ViewSights> extract_view(const Session& session, int id) {
+  Result<std::vector<SensorFile>> files = list_files(session, {id});
+  if (!files) return fail(files.error());
+  search(session, *files, {});
+  const std::size_t view = files->front().view;
+  return Assembly(session, std::move(*files)).make_view(view);
 }
 
 }  // namespace ca2

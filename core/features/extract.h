@@ -35,4 +35,9 @@ struct Extraction {
 /// is asked for (ErrorCode::usage), or the rig lacks a camera or a LiDAR (ErrorCode::config).
 Result<Extraction> extract_features(const Session& session, const ExtractOptions& options);
 
+/// One view that was just written, for whoever keeps the others: its features, left in SESSION/cache too. A
+/// camera whose intrinsics are not known has corners and no pose (the identity). Fails as extract_features
+/// does; ErrorCode::data where a file of the view cannot be used.
+Result<ViewSights> extract_view(const Session& session, int id);
+
 }  // namespace ca2

@@ -4,12 +4,11 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdio>
-#include <limits>
 #include <mutex>
 #include <thread>
 
+#include "core/features/lidar_sights.h"
 #include "core/io/files.h"
-#include "core/lidar/board_candidate.h"
 
 namespace ca2 {
 namespace {
@@ -30,52 +29,14 @@ std::string settings_of(const Board& board) {
   return std::string(board.type->name()) + ' ' + board.dictionary + text;
 }
 
-/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre: what
-/// edges and the choice of returns by ray are made from.
-void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, const Board& board,
-                   LidarSight& sight) {
-  const Outline extent = board.extent();
-  const double distance = sight.center.norm();
-  const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
-  const double cosine = std::cos(std::atan2(radius, distance));
-  const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
-  std::vector<char> on_board(scan.size(), 0);
-  for (const std::uint32_t i : taken) on_board[i] = 1;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3f& p = scan.points[i];
-    const BoardReturn here{
-        p, scan.intensity.empty() ? std::numeric_limits<float>::quiet_NaN() : scan.intensity[i],
-        scan.ring.empty() ? BoardReturn::no_ring : scan.ring[i]};
-    if (on_board[i])
-      sight.on_board.push_back(here);
-    else if (p.dot(axis) > static_cast<float>(cosine) * p.norm())
-      sight.around.push_back(here);  // false for NaN, too
-  }
-}
-
 Result<std::vector<LidarSight>> search_cloud(const Board& board, const std::filesystem::path& file,
                                              const Pick* pick) {
   const Result<Scan> scan = read_cloud(file);
   if (!scan) return fail(scan.error());
-  std::vector<BoardCandidate> candidates;
-  if (pick) {
-    Result<BoardCandidate> picked = fit_picked_patch(*scan, board, pick->row, pick->column, pick->radius);
-    if (!picked) return fail(picked.error());
-    candidates.push_back(std::move(*picked));
-  } else {
-    candidates = find_board_candidates(*scan, board);
-  }
-  std::vector<LidarSight> sights;
-  for (const BoardCandidate& candidate : candidates) {
-    LidarSight& sight = sights.emplace_back();
-    sight.plane = candidate.plane;
-    sight.center = candidate.T_lidar_board.t;
-    if (board.outline && !pick) sight.outline_center = candidate.T_lidar_board.t;
-    sight.rms = candidate.rms;
-    sight.score = candidate.score;
-    gather_around(*scan, candidate.returns, board, sight);
-  }
-  return sights;
+  if (!pick) return find_sights(*scan, board);
+  Result<LidarSight> picked = picked_sight(*scan, board, *pick);
+  if (!picked) return fail(picked.error());
+  return std::vector<LidarSight>{std::move(*picked)};
 }
 
 Result<ImageFeatures> search_image(const Board& board, const std::filesystem::path& file) {

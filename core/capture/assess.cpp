@@ -1,0 +1,91 @@
+#include "core/capture/assess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/types/text.h"
+
+namespace ca2 {
+namespace {
+
+// Of the dwell: before that it may only have slowed down.
+constexpr double stopped = 0.25;
+// Of the scans that fit into the dwell; the others may have begun before it, or be lost.
+constexpr double enough_scans = 0.7;
+// Dwells after which a LiDAR that delivers too few scans holds nobody up any more.
+constexpr double patience = 2.5;
+
+std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
+  std::string list;
+  const auto add = [&](const std::string& name, const Rhythm& rhythm) {
+    if (rhythm.silent(now)) list += (list.empty() ? "" : ", ") + name;
+  };
+  for (std::size_t i = 0; i < tracks.cameras.size(); ++i)
+    add(tracks.camera_names[i], tracks.cameras[i].rhythm());
+  for (std::size_t i = 0; i < tracks.lidars.size(); ++i)
+    add(tracks.lidar_names[i], tracks.lidars[i].rhythm());
+  return list;
+}
+
+/// The LiDAR that has not yet measured enough of the hold.
+const std::string* late_lidar(const Tracks& tracks, const CaptureOptions& options, const Assessment& a,
+                              std::int64_t now) {
+  for (std::size_t i = 0; i < tracks.lidars.size(); ++i) {
+    const LidarTrack& lidar = tracks.lidars[i];
+    if (lidar.rhythm().silent(now)) continue;
+    const double fit = 1e9 * options.dwell / static_cast<double>(lidar.period());
+    const double needed = std::max(1.0, std::ceil(enough_scans * fit));
+    if (static_cast<double>(lidar.within(a.since, a.newest).size()) < needed) return &tracks.lidar_names[i];
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int64_t now) {
+  Assessment a;
+  a.since = std::numeric_limits<std::int64_t>::min();
+  a.newest = std::numeric_limits<std::int64_t>::max();
+  std::int64_t period = 0;
+  std::size_t slowest = 0;
+  bool seen = false;
+  for (std::size_t c = 0; c < tracks.cameras.size(); ++c) {
+    const CameraTrack& camera = tracks.cameras[c];
+    a.cameras.push_back(camera.stillness(now, options.board_motion, options.dwell));
+    if (!a.cameras.back()) continue;
+    const CameraStillness& still = *a.cameras.back();
+    seen = true;
+    if (still.since > a.since) a.since = still.since, slowest = c;
+    a.newest = std::min(a.newest, still.newest);
+    period = std::max(period, camera.rhythm().period().value_or(0));
+  }
+  if (!seen) {
+    const std::string silent = silent_sensors(tracks, now);
+    a.reason = silent.empty() ? "no camera sees the board" : "no data from " + silent;
+    return a;
+  }
+  // A picture stands for the time until the next one.
+  const double held = 1e-9 * static_cast<double>(a.newest - a.since + period);
+  a.progress = std::clamp(held / options.dwell, 0.0, 1.0);
+  if (a.progress < 1) {
+    const CameraStillness& still = *a.cameras[slowest];
+    const bool moves = a.progress < stopped;
+    a.phase = moves ? Assessment::Phase::moving : Assessment::Phase::holding;
+    a.reason = moves && still.motion > still.limit
+                   ? formatted("the board moves %.1f px in %s; hold it still", still.motion,
+                               tracks.camera_names[slowest].c_str())
+                   : "hold it still";
+    return a;
+  }
+  const std::string* late = late_lidar(tracks, options, a, now);
+  if (late && held < patience * options.dwell) {
+    a.phase = Assessment::Phase::holding;
+    a.reason = "waiting for scans of " + *late;
+    return a;
+  }
+  a.phase = Assessment::Phase::ready;
+  return a;
+}
+
+}  // namespace ca2

@@ -1,0 +1,39 @@
+/// @file Is the board held still now, and in which sensors?
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/capture/camera_track.h"
+#include "core/capture/lidar_track.h"
+#include "core/capture/options.h"
+
+namespace ca2 {
+
+/// What the sensors have seen lately, in the rig's order.
+struct Tracks {
+  std::vector<std::string> camera_names, lidar_names;
+  std::vector<CameraTrack> cameras;
+  std::vector<LidarTrack> lidars;
+};
+
+struct Assessment {
+  enum class Phase {
+    absent,   ///< no camera sees the board
+    moving,   ///< it moves, or stopped just now
+    holding,  ///< it is still, but not for long enough
+    ready,    ///< it has been still for the dwell in every camera that sees it, and the LiDARs have had time
+  };
+  Phase phase = Phase::absent;
+  std::string reason;
+  double progress = 0;      ///< of the dwell
+  std::int64_t since = 0;   ///< ns: from here to `newest` it is still in every camera that sees it
+  std::int64_t newest = 0;  ///< ns
+  std::vector<std::optional<CameraStillness>> cameras;  ///< nothing: does not see the board
+};
+
+Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int64_t now);
+
+}  // namespace ca2

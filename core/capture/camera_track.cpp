@@ -1,0 +1,142 @@
+#include "core/capture/camera_track.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ca2 {
+namespace {
+
+constexpr std::int64_t history = 2'500'000'000;  // ns
+// A picture without the board between others (a detector's miss, a hand) does not end a hold.
+constexpr std::int64_t longest_gap = 300'000'000;  // ns
+// Detectors' errors alone move corners by so much.
+constexpr double least_motion = 0.5;  // px
+
+using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
+
+double distance(const Pixels& a, const Pixels& b) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i] && b[i]) sum += (*a[i] - *b[i]).norm(), ++count;
+  }
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
+/// By how much corners have moved about: of every corner the larger side of the box it kept to, and of these
+/// the upper quartile, so that a corner or two that were misplaced do not count.
+class Spread {
+ public:
+  explicit Spread(const Pixels& first) : low_(first), high_(first) {}
+
+  double with(const Pixels& pixels) {
+    std::vector<double> sides;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (!pixels[i]) continue;
+      low_[i] = low_[i] ? Eigen::Vector2d(low_[i]->cwiseMin(*pixels[i])) : *pixels[i];
+      high_[i] = high_[i] ? Eigen::Vector2d(high_[i]->cwiseMax(*pixels[i])) : *pixels[i];
+      sides.push_back((*high_[i] - *low_[i]).maxCoeff());
+    }
+    if (sides.empty()) return std::numeric_limits<double>::infinity();
+    const auto quartile = sides.begin() + static_cast<std::ptrdiff_t>(3 * sides.size() / 4);
+    std::nth_element(sides.begin(), quartile, sides.end());
+    return *quartile;
+  }
+
+ private:
+  Pixels low_, high_;
+};
+
+}  // namespace
+
+void CameraTrack::add(const CameraObservation& observation) {
+  ++frames_;
+  rhythm_.add(observation.time);
+  if (!observation.searched) {
+    ++shed_;
+    return;
+  }
+  if (!samples_.empty() && observation.time <= samples_.back().time) samples_.clear();  // the clock was set
+  samples_.push_back(observation);
+  while (samples_.front().time < observation.time - history) samples_.pop_front();
+}
+
+Pixels CameraTrack::aligned(const std::vector<Corner>& corners, const Pixels& reference) const {
+  const std::size_t all = board_.type->corners(board_).size();
+  Pixels same(all);
+  for (const Corner& corner : corners) {
+    if (corner.id >= 0 && static_cast<std::size_t>(corner.id) < all)
+      same[static_cast<std::size_t>(corner.id)] = corner.pixel;
+  }
+  if (reference.empty() || !board_.type->half_turn_ambiguous(board_)) return same;
+  Pixels turned(same.rbegin(), same.rend());
+  return distance(turned, reference) < distance(same, reference) ? turned : same;
+}
+
+double CameraTrack::pixels_per_metre(const std::vector<Corner>& corners) const {
+  const std::vector<Eigen::Vector2d> places = board_.type->corners(board_);
+  double pixels = 0, metres = 0;
+  for (const Corner& a : corners) {
+    const Corner& b = corners.front();
+    pixels += (a.pixel - b.pixel).norm();
+    metres += (places[static_cast<std::size_t>(a.id)] - places[static_cast<std::size_t>(b.id)]).norm();
+  }
+  return metres > 0 ? pixels / metres : 0;
+}
+
+std::optional<CameraStillness> CameraTrack::stillness(std::int64_t now, double board_motion,
+                                                      double dwell) const {
+  if (samples_.empty() || rhythm_.silent(now)) return std::nullopt;
+  auto at = samples_.rbegin();
+  while (at != samples_.rend() && at->corners.empty()) ++at;
+  if (at == samples_.rend() || samples_.back().time - at->time > longest_gap) return std::nullopt;
+  CameraStillness still;
+  still.newest = still.since = at->time;
+  still.limit = std::max(least_motion, board_motion * pixels_per_metre(at->corners));
+  const Pixels newest = aligned(at->corners, {});
+  Spread spread(newest);
+  const auto window = static_cast<std::int64_t>(1e9 * dwell);
+  bool is_still = true;
+  for (std::int64_t last = at->time; ++at != samples_.rend();) {
+    if (at->corners.empty()) continue;
+    if (last - at->time > longest_gap) break;
+    last = at->time;
+    const double motion = spread.with(aligned(at->corners, newest));
+    if (still.newest - at->time <= window) still.motion = motion;
+    is_still = is_still && motion <= still.limit;
+    if (is_still) still.since = at->time;
+    if (!is_still && still.newest - at->time > window) break;
+  }
+  return still;
+}
+
+std::vector<const CameraObservation*> CameraTrack::between(std::int64_t first, std::int64_t last) const {
+  std::vector<const CameraObservation*> list;
+  for (const CameraObservation& sample : samples_) {
+    if (!sample.corners.empty() && sample.time >= first && sample.time <= last) list.push_back(&sample);
+  }
+  return list;
+}
+
+std::vector<Corner> CameraTrack::mean_corners(const std::vector<const CameraObservation*>& pictures) const {
+  if (pictures.empty()) return {};
+  const Pixels newest = aligned(pictures.back()->corners, {});
+  std::vector<Eigen::Vector2d> sum(newest.size(), Eigen::Vector2d::Zero());
+  std::vector<std::size_t> count(newest.size(), 0);
+  for (const CameraObservation* picture : pictures) {
+    const Pixels pixels = aligned(picture->corners, newest);
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i]) sum[i] += *pixels[i], ++count[i];
+    }
+  }
+  std::vector<Corner> corners;
+  for (const Corner& corner : pictures.back()->corners) {
+    const auto i = static_cast<std::size_t>(corner.id);
+    if (i >= count.size() || 2 * count[i] < pictures.size()) continue;
+    const auto n = static_cast<double>(count[i]);
+    corners.push_back({corner.id, sum[i] / n, corner.covariance / n});
+  }
+  return corners;
+}
+
+}  // namespace ca2

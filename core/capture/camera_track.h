@@ -1,0 +1,53 @@
+/// @file What one camera has seen of the board lately, and since when it stands still.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "core/capture/observation.h"
+#include "core/capture/rhythm.h"
+
+namespace ca2 {
+
+/// The board in one camera over the last seconds.
+struct CameraStillness {
+  std::int64_t since = 0;   ///< ns: the first picture from which on the corners keep within `limit`
+  std::int64_t newest = 0;  ///< ns: the last picture with the board
+  double motion = 0;        ///< px, of the corners over the dwell
+  double limit = 0;         ///< px
+};
+
+class CameraTrack {
+ public:
+  explicit CameraTrack(const Board& board) : board_(board) {}
+
+  void add(const CameraObservation& observation);
+
+  /// Nothing where the board is not in sight at `now`. `board_motion` m and `dwell` s as in CaptureOptions.
+  std::optional<CameraStillness> stillness(std::int64_t now, double board_motion, double dwell) const;
+
+  /// Pictures with the board from `first` to `last`, oldest first.
+  std::vector<const CameraObservation*> between(std::int64_t first, std::int64_t last) const;
+  /// Mean place of every corner that most of these pictures show, its covariance that of one picture's
+  /// divided by their number; ids as in the newest one.
+  std::vector<Corner> mean_corners(const std::vector<const CameraObservation*>& pictures) const;
+
+  const CameraObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
+  const Rhythm& rhythm() const { return rhythm_; }
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t shed() const { return shed_; }
+
+ private:
+  /// Pixels by corner id, in the labelling that agrees with `reference` (the same, or half a turn round).
+  std::vector<std::optional<Eigen::Vector2d>> aligned(
+      const std::vector<Corner>& corners, const std::vector<std::optional<Eigen::Vector2d>>& reference) const;
+  double pixels_per_metre(const std::vector<Corner>& corners) const;
+
+  const Board& board_;
+  std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first
+  Rhythm rhythm_;
+  std::uint64_t frames_ = 0, shed_ = 0;
+};
+
+}  // namespace ca2

@@ -1,0 +1,27 @@
+/// @file The search for the board in a LiDAR's stream of scans.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "core/capture/background.h"
+#include "core/capture/observation.h"
+
+namespace ca2 {
+
+/// Finds what may be the board, and tells what stands where nothing was before from the furniture. One per
+/// LiDAR; the same scans give the same sights. Hosts with no time for a scan leave it out
+/// (LidarObservation::searched).
+class LidarDetector {
+ public:
+  LidarDetector(Board board, int lidar) : board_(std::move(board)), lidar_(lidar) {}
+
+  LidarObservation detect(std::int64_t time, std::shared_ptr<const Scan> scan);
+
+ private:
+  Board board_;
+  int lidar_;
+  Background background_;
+};
+
+}  // namespace ca2

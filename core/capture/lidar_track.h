@@ -1,0 +1,45 @@
+/// @file What one LiDAR has held for the board lately, and which of it stands still.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "core/capture/observation.h"
+#include "core/capture/rhythm.h"
+
+namespace ca2 {
+
+/// A hypothesis that is in the scans of a hold.
+struct LidarHold {
+  std::size_t sight = 0;  ///< of the newest of the scans
+  double motion = 0;      ///< m, of its plane over these scans
+  double presence = 0;    ///< share of the scans it was found in
+  double novelty = 0;     ///< mean share of it that lies before the background; NaN: not known
+};
+
+class LidarTrack {
+ public:
+  void add(const LidarObservation& observation);
+
+  /// Scans that were measured between these times as a whole, oldest first.
+  std::vector<const LidarObservation*> within(std::int64_t first, std::int64_t last) const;
+  /// The newest of the scans' hypotheses, followed back through the others.
+  static std::vector<LidarHold> follow(const std::vector<const LidarObservation*>& scans);
+
+  const LidarObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
+  const Rhythm& rhythm() const { return rhythm_; }
+  /// ns: what a revolution takes.
+  std::int64_t period() const { return rhythm_.period().value_or(100'000'000); }
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t shed() const { return shed_; }
+
+ private:
+  std::deque<LidarObservation> samples_;  ///< searched scans, oldest first
+  Rhythm rhythm_;
+  std::uint64_t frames_ = 0, shed_ = 0;
+};
+
+/// How far two planes are apart at the places where they were seen, m.
+double plane_motion(const LidarSight& a, const LidarSight& b);
+
+}  // namespace ca2

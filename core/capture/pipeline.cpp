@@ -1,0 +1,442 @@
+#include "core/capture/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/capture/held_view.h"
+#include "core/capture/view_builder.h"
+#include "core/features/lidar_sights.h"
+#include "core/types/text.h"
+
+namespace ca2 {
+namespace {
+
+// A plane needs three views; before that there is nothing to ask the solver.
+constexpr std::size_t fewest_views = 3;
+// While a hold is refused, it is looked at again so often: something in the way may go.
+constexpr std::int64_t retry = 250'000'000;  // ns
+
+/// How long since a hold was looked at, and what came of it. A hold lasts until the board moves on.
+struct Hold {
+  bool decided = false;  ///< captured, or not to be: nothing more happens until the board moves
+  bool told = false;     ///< its refusal was said
+  bool active = false;
+  std::int64_t end = 0;    ///< ns: still until here, as far as is known
+  std::int64_t tried = 0;  ///< ns
+  std::string reason;      ///< of the refusal
+};
+
+enum class Request { none, when_still, at_once };
+
+}  // namespace
+
+struct CapturePipeline::State {
+  Rig rig;
+  CaptureOptions options;
+  Tracks tracks;
+  std::vector<ViewSights> views;
+  KnownPoses known;
+  KnownExtrinsics extrinsics;
+  std::map<int, Pick> picks;  ///< by LiDAR
+  std::int64_t picked = 0;    ///< ns
+  int next_id = 1;
+  std::optional<int> writing;  ///< the view that is being stored
+  std::uint64_t solves = 0;
+  std::optional<Calibration> calibration;
+  std::string verdict;
+  Request request = Request::none;
+  std::int64_t requested = 0;  ///< ns
+  Hold hold;
+  Assessment assessment;
+  std::int64_t now = std::numeric_limits<std::int64_t>::min();
+  std::string last_event;
+
+  State(Rig rig_in, CaptureOptions options_in, std::vector<ViewSights> views_in)
+      : rig(std::move(rig_in)), options(options_in), views(std::move(views_in)), extrinsics(rig) {
+    for (const auto& [name, camera] : rig.cameras) {
+      tracks.camera_names.push_back(name);
+      tracks.cameras.emplace_back(rig.board);
+    }
+    for (const auto& [name, lidar] : rig.lidars) {
+      tracks.lidar_names.push_back(name);
+      tracks.lidars.emplace_back();
+    }
+    for (const ViewSights& view : views) {
+      known.add(pose_of_view(view, have_intrinsics()));
+      next_id = std::max(next_id, view.id + 1);
+    }
+  }
+
+  std::vector<bool> have_intrinsics() const {
+    std::vector<bool> have;
+    for (const auto& [name, camera] : rig.cameras) have.push_back(camera.intrinsics.has_value());
+    return have;
+  }
+
+  void say(CaptureActions& actions, std::int64_t time, const char* kind, std::string text) {
+    last_event = text;
+    actions.push_back(CaptureEvent{time, kind, std::move(text)});
+  }
+
+  void request_solve(CaptureActions& actions) {
+    if (views.size() < fewest_views) return;
+    actions.push_back(SolveViews{++solves, std::make_shared<const Rig>(rig),
+                                 std::make_shared<const std::vector<ViewSights>>(views)});
+  }
+
+  /// Everything that a new observation or the time may change.
+  void advance(std::int64_t time, CaptureActions& actions) {
+    now = std::max(now, time);
+    assessment = assess(tracks, options, now);
+    const bool still =
+        assessment.phase == Assessment::Phase::holding || assessment.phase == Assessment::Phase::ready;
+    // Still since before the end of what was known of the hold: the same one.
+    if (hold.active && (!still || assessment.since > hold.end)) hold = {};
+    if (assessment.phase == Assessment::Phase::moving && assessment.since > picked) picks.clear();
+    if (assessment.phase != Assessment::Phase::ready) return;
+    hold.active = true;
+    hold.end = std::max(hold.end, assessment.newest);
+    const bool wanted = options.automatic && !hold.decided;
+    if (!wanted && request != Request::when_still) return;
+    if (writing || assessment.newest - hold.tried < retry) return;
+    hold.tried = assessment.newest;
+    attempt(assessment.since, assessment.newest, actions);
+  }
+
+  /// Takes the view from `since` to `newest`, or says why not.
+  void attempt(std::int64_t since, std::int64_t newest, CaptureActions& actions) {
+    const bool manual = request != Request::none, at_once = request == Request::at_once;
+    const HeldView view = collect_view(tracks, {rig, options, extrinsics, picks}, since, newest, at_once);
+    ViewPose pose = pose_of(view, tracks);
+    std::string refusal = view.refusal;
+    if (refusal.empty() && static_cast<int>(views.size()) >= options.max_views) {
+      refusal = formatted("the session has %d views, the most it may have", options.max_views);
+    }
+    if (refusal.empty() && !manual) {
+      if (const auto same = known.find_same(pose)) {
+        refusal = formatted("view %d shows this pose already: move or tilt the board", *same);
+        hold.decided = true;
+      }
+    }
+    if (!refusal.empty()) {
+      hold.reason = refusal;
+      if (!hold.told || manual) say(actions, newest, "rejected", refusal);
+      hold.told = true;
+      if (at_once) request = Request::none;
+      return;
+    }
+    request = Request::none;
+    hold.decided = true;
+    pose.id = next_id;
+    known.add(std::move(pose));
+    writing = next_id;
+    actions.push_back(store(view, next_id++, !manual));
+    picks.clear();
+  }
+
+  StoreView store(const HeldView& view, int id, bool automatic) const {
+    StoreView action;
+    action.id = id;
+    ViewDetails details;
+    details.automatic = automatic;
+    details.gates = view.gates;
+    for (const auto& [c, camera] : view.cameras) {
+      const std::string& name = tracks.camera_names[c];
+      action.images[name] = mean_image(camera.pictures);
+      details.pictures[name] = camera.pictures.size();
+      details.corners[name] = camera.corners.size();
+      for (const CameraObservation* picture : camera.pictures) details.stamps[name].push_back(picture->time);
+    }
+    for (const auto& [l, lidar] : view.lidars) {
+      const std::string& name = tracks.lidar_names[l];
+      action.scans[name] = gathered_scan(lidar.scans);
+      details.scans[name] = lidar.scans.size();
+      for (const LidarObservation* scan : lidar.scans) details.stamps[name].push_back(scan->time);
+      if (const auto pick = picks.find(static_cast<int>(l)); pick != picks.end())
+        details.picks[name] = pick->second;
+    }
+    action.details = details_text(details);
+    return action;
+  }
+
+  /// The newest picture and scan that show the board, moving or not.
+  void attempt_at_once(std::int64_t time, CaptureActions& actions) {
+    std::int64_t since = std::numeric_limits<std::int64_t>::max(), newest = 0;
+    for (const auto& still : assessment.cameras) {
+      if (still) since = std::min(since, still->newest), newest = std::max(newest, still->newest);
+    }
+    if (newest == 0) {
+      request = Request::none;
+      say(actions, time, "rejected", "no camera sees the board");
+      return;
+    }
+    std::int64_t revolution = 0;
+    for (const LidarTrack& lidar : tracks.lidars) {
+      if (lidar.newest() && !lidar.rhythm().silent(now)) revolution = std::max(revolution, lidar.period());
+    }
+    // Long enough that each LiDAR has one whole revolution in it.
+    attempt(since - 2 * revolution, newest + revolution, actions);
+  }
+
+  bool reached() const {
+    if (!calibration) return false;
+    return worst_translation() <= options.target_sigma_translation &&
+           worst_rotation() <= options.target_sigma_rotation;
+  }
+  double worst_translation() const {
+    double worst = 0;
+    for (const CalibratedTransform& t : calibration->transforms)
+      worst = std::max(worst, t.sigma_translation());
+    return worst;
+  }
+  double worst_rotation() const {
+    double worst = 0;
+    for (const CalibratedTransform& t : calibration->transforms) worst = std::max(worst, t.sigma_rotation());
+    return worst;
+  }
+  int used_views() const {
+    if (!calibration) return 0;
+    return static_cast<int>(std::count_if(calibration->views.begin(), calibration->views.end(),
+                                          [](const CalibratedView& view) { return view.used; }));
+  }
+
+  void describe(std::int64_t time, CaptureStatus& status) const {
+    using Phase = Assessment::Phase;
+    const Assessment current = time > now ? assess(tracks, options, time) : assessment;
+    status.progress = current.phase == Phase::absent ? 0 : current.progress;
+    if (writing) {
+      status.state = CaptureState::capturing;
+      status.reason = formatted("writing view %d", *writing);
+    } else if (hold.active && hold.decided && current.phase != Phase::absent) {
+      status.state = hold.reason.empty() ? CaptureState::captured : CaptureState::holding;
+      status.reason = hold.reason.empty() ? "captured: show the next pose" : hold.reason;
+    } else if (current.phase == Phase::absent) {
+      status.state = reached() ? CaptureState::done : CaptureState::waiting;
+      status.reason = reached() ? "the target is reached" : current.reason;
+    } else if (current.phase == Phase::moving) {
+      status.state = CaptureState::moving;
+      status.reason = current.reason;
+    } else {
+      status.state = CaptureState::holding;
+      status.reason = !hold.reason.empty()      ? hold.reason
+                      : !current.reason.empty() ? current.reason
+                      : options.automatic       ? "hold it still"
+                                                : "still: capture when you like";
+    }
+  }
+
+  SensorStatus describe_camera(std::size_t c, std::int64_t time) const {
+    const CameraTrack& camera = tracks.cameras[c];
+    SensorStatus status;
+    status.name = tracks.camera_names[c];
+    status.is_camera = true;
+    status.silent = camera.rhythm().silent(time);
+    status.rate = status.silent ? 0 : camera.rhythm().rate();
+    status.frames = camera.frames();
+    status.shed = camera.shed();
+    status.sees_board = !status.silent && camera.newest() && !camera.newest()->corners.empty();
+    const auto still = camera.stillness(time, options.board_motion, options.dwell);
+    status.motion = still ? still->motion : std::nan("");
+    status.motion_limit = still ? still->limit : std::nan("");
+    return status;
+  }
+
+  SensorStatus describe_lidar(std::size_t l, std::int64_t time) const {
+    const LidarTrack& lidar = tracks.lidars[l];
+    SensorStatus status;
+    status.name = tracks.lidar_names[l];
+    status.silent = lidar.rhythm().silent(time);
+    status.rate = status.silent ? 0 : lidar.rhythm().rate();
+    status.frames = lidar.frames();
+    status.shed = lidar.shed();
+    status.motion = std::nan("");
+    status.motion_limit = options.lidar_motion;
+    if (status.silent || !lidar.newest()) return status;
+    // What is new to the room and moves least, over the dwell.
+    const auto window = static_cast<std::int64_t>(1e9 * options.dwell) + lidar.period();
+    for (const LidarHold& held :
+         LidarTrack::follow(lidar.within(lidar.newest()->time - window, lidar.newest()->time + window))) {
+      if (!(held.novelty > 0.5)) continue;
+      status.sees_board = true;
+      status.motion = std::isnan(status.motion) ? held.motion : std::min(status.motion, held.motion);
+    }
+    return status;
+  }
+};
+
+CapturePipeline::CapturePipeline(Rig rig, CaptureOptions options, std::vector<ViewSights> views)
+    : state_(std::make_unique<State>(std::move(rig), options, std::move(views))) {}
+
+CapturePipeline::~CapturePipeline() = default;
+
+CaptureActions CapturePipeline::add(const CameraObservation& observation) {
+  CaptureActions actions;
+  const auto index = static_cast<std::size_t>(observation.camera);
+  if (observation.image) {
+    RigCamera& camera = state_->rig.cameras.at(state_->tracks.camera_names[index]);
+    if (camera.width == 0) camera.width = observation.image->width, camera.height = observation.image->height;
+  }
+  state_->tracks.cameras[index].add(observation);
+  state_->advance(observation.time, actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::add(const LidarObservation& observation) {
+  CaptureActions actions;
+  const auto index = static_cast<std::size_t>(observation.lidar);
+  const auto pick = state_->picks.find(observation.lidar);
+  if (pick == state_->picks.end() || !observation.searched) {
+    state_->tracks.lidars[index].add(observation);
+  } else {
+    LidarObservation picked = observation;
+    picked.sights.clear();
+    picked.novelty.clear();
+    if (auto sight = picked_sight(*observation.scan, state_->rig.board, pick->second)) {
+      picked.sights.push_back(std::move(*sight));
+      picked.novelty.push_back(1);
+    }
+    state_->tracks.lidars[index].add(picked);
+  }
+  state_->advance(observation.time, actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::tick(std::int64_t now) {
+  CaptureActions actions;
+  state_->advance(now, actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::capture(std::int64_t time, bool now) {
+  CaptureActions actions;
+  state_->now = std::max(state_->now, time);
+  if (state_->writing) {
+    state_->say(actions, time, "rejected", "a view is being written: ask again");
+    return actions;
+  }
+  state_->request = now ? Request::at_once : Request::when_still;
+  state_->hold.tried = 0;
+  if (now)
+    state_->attempt_at_once(time, actions);
+  else
+    state_->advance(time, actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::set_automatic(std::int64_t time, bool on) {
+  CaptureActions actions;
+  state_->options.automatic = on;
+  state_->say(actions, time, "automatic", on ? "captures by itself" : "captures when asked");
+  return actions;
+}
+
+CaptureActions CapturePipeline::pick(std::int64_t time, int lidar, int row, int column, double radius) {
+  CaptureActions actions;
+  const LidarTrack& track = state_->tracks.lidars[static_cast<std::size_t>(lidar)];
+  const Pick pick{row, column, radius};
+  const auto sight = track.newest()
+                         ? picked_sight(*track.newest()->scan, state_->rig.board, pick)
+                         : Result<LidarSight>(fail(ErrorCode::unavailable, "", "there is no scan yet"));
+  if (!sight) {
+    state_->say(actions, time, "rejected", sight.error().text());
+    return actions;
+  }
+  state_->picks[lidar] = pick;
+  state_->picked = time;
+  state_->say(actions, time, "picked",
+              formatted("the board is %.2f m away in %s", sight->center.norm(),
+                        state_->tracks.lidar_names[static_cast<std::size_t>(lidar)].c_str()));
+  return actions;
+}
+
+CaptureActions CapturePipeline::drop(std::int64_t time, int id) {
+  CaptureActions actions;
+  const auto erased = std::erase_if(state_->views, [&](const ViewSights& view) { return view.id == id; });
+  if (erased == 0) {
+    state_->say(actions, time, "rejected", formatted("there is no view %d", id));
+    return actions;
+  }
+  state_->known.remove(id);
+  actions.push_back(DropView{id});
+  state_->say(actions, time, "dropped", formatted("view %d is dropped", id));
+  if (state_->views.size() < fewest_views) {
+    state_->calibration.reset();
+    state_->verdict.clear();
+  }
+  state_->request_solve(actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::solve(std::int64_t time) {
+  CaptureActions actions;
+  state_->request_solve(actions);
+  if (actions.empty()) {
+    state_->say(actions, time, "rejected",
+                formatted("%zu views are too few: capture at least %zu", state_->views.size(), fewest_views));
+  }
+  return actions;
+}
+
+CaptureActions CapturePipeline::stored(std::int64_t time, int id, Result<ViewSights> answer) {
+  CaptureActions actions;
+  if (state_->writing == id) state_->writing.reset();
+  if (!answer) {
+    state_->known.remove(id);
+    state_->hold.reason = formatted("view %d was not stored: ", id) + answer.error().problems.front().what;
+    state_->say(actions, time, "failed", answer.error().text());
+    return actions;
+  }
+  answer->id = id;
+  state_->views.push_back(std::move(*answer));
+  state_->say(actions, time, "captured", formatted("view %d is stored", id));
+  state_->request_solve(actions);
+  return actions;
+}
+
+CaptureActions CapturePipeline::solved(std::int64_t time, std::uint64_t number,
+                                       const Result<Calibration>& answer) {
+  CaptureActions actions;
+  if (number != state_->solves) return actions;  // of views that have changed since
+  if (!answer) {
+    state_->verdict = answer.error().text();
+    state_->calibration.reset();
+    state_->say(actions, time, "refused", state_->verdict);
+    return actions;
+  }
+  state_->calibration = *answer;
+  state_->verdict = answer->observability.verdict;
+  state_->extrinsics.update(*answer);
+  state_->say(
+      actions, time, "solved",
+      formatted("%d of %zu views: sigma %.2f mm, %.2f mrad, %s", state_->used_views(), state_->views.size(),
+                1e3 * state_->worst_translation(), 1e3 * state_->worst_rotation(), state_->verdict.c_str()));
+  return actions;
+}
+
+CaptureStatus CapturePipeline::status(std::int64_t now) const {
+  CaptureStatus status;
+  const State& s = *state_;
+  s.describe(now, status);
+  status.automatic = s.options.automatic;
+  status.views = static_cast<int>(s.views.size());
+  status.used = s.used_views();
+  for (std::size_t c = 0; c < s.tracks.cameras.size(); ++c)
+    status.sensors.push_back(s.describe_camera(c, now));
+  for (std::size_t l = 0; l < s.tracks.lidars.size(); ++l) status.sensors.push_back(s.describe_lidar(l, now));
+  status.last_event = s.last_event;
+  if (s.calibration) {
+    status.sigma_translation = s.worst_translation();
+    status.sigma_rotation = s.worst_rotation();
+  }
+  status.target_translation = s.options.target_sigma_translation;
+  status.target_rotation = s.options.target_sigma_rotation;
+  status.verdict = s.verdict;
+  return status;
+}
+
+const Calibration* CapturePipeline::calibration() const {
+  return state_->calibration ? &*state_->calibration : nullptr;
+}
+
+}  // namespace ca2

@@ -1,0 +1,57 @@
+#include "core/capture/solve_views.h"
+
+#include "core/intrinsics/estimate_intrinsics.h"
+#include "core/solve/calibrate.h"
+
+namespace ca2 {
+namespace {
+
+/// The camera's intrinsics from the corners of its views, and the poses that follow.
+Result<IntrinsicsEstimate> estimate(const Board& board, RigCamera& camera, std::size_t index,
+                                    std::vector<ViewSights>& views) {
+  std::vector<std::vector<Corner>> corners;
+  for (const ViewSights& view : views) {
+    if (view.cameras[index]) corners.push_back(view.cameras[index]->corners);
+  }
+  Result<IntrinsicsEstimate> found =
+      estimate_intrinsics(board, camera.width, camera.height, camera.model, corners);
+  if (!found) return found;
+  camera.intrinsics = found->camera;
+  for (ViewSights& view : views) {
+    std::optional<CameraSight>& sight = view.cameras[index];
+    if (!sight) continue;
+    const Result<BoardPose> pose = estimate_board_pose(board, found->camera, sight->corners);
+    if (pose)
+      sight->pose = *pose;
+    else
+      sight.reset();
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<Calibration> solve_views(const SolveViews& request) {
+  Rig rig = *request.rig;
+  CalibrateOptions options;
+  std::vector<ViewSights> views = *request.views;
+  std::vector<Problem> refusals;
+  std::size_t index = 0;
+  for (auto& [name, camera] : rig.cameras) {
+    const std::size_t at = index++;
+    if (camera.intrinsics) continue;
+    const Result<IntrinsicsEstimate> found = estimate(rig.board, camera, at, views);
+    if (found) {
+      options.estimated[name] = found->covariance.diagonal().cwiseSqrt();
+      continue;
+    }
+    for (Problem problem : found.error().problems) {
+      problem.where = name + (problem.where.empty() ? "" : ": " + problem.where);
+      refusals.push_back(std::move(problem));
+    }
+  }
+  if (!refusals.empty()) return fail(ErrorCode::refused, std::move(refusals));
+  return calibrate(rig, views, options);
+}
+
+}  // namespace ca2

@@ -1,0 +1,60 @@
+#include "core/features/lidar_sights.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace ca2 {
+namespace {
+
+/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre: what
+/// edges and the choice of returns by ray are made from.
+void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, const Board& board,
+                   LidarSight& sight) {
+  const Outline extent = board.extent();
+  const double distance = sight.center.norm();
+  const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
+  const double cosine = std::cos(std::atan2(radius, distance));
+  const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
+  std::vector<char> on_board(scan.size(), 0);
+  for (const std::uint32_t i : taken) on_board[i] = 1;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    const BoardReturn here{
+        p, scan.intensity.empty() ? std::numeric_limits<float>::quiet_NaN() : scan.intensity[i],
+        scan.ring.empty() ? BoardReturn::no_ring : scan.ring[i]};
+    if (on_board[i])
+      sight.on_board.push_back(here);
+    else if (p.dot(axis) > static_cast<float>(cosine) * p.norm())
+      sight.around.push_back(here);  // false for NaN, too
+  }
+}
+
+}  // namespace
+
+LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate, bool picked) {
+  LidarSight sight;
+  sight.plane = candidate.plane;
+  sight.center = candidate.T_lidar_board.t;
+  if (board.outline && !picked) sight.outline_center = candidate.T_lidar_board.t;
+  sight.rms = candidate.rms;
+  sight.score = candidate.score;
+  gather_around(scan, candidate.returns, board, sight);
+  return sight;
+}
+
+std::vector<LidarSight> find_sights(const Scan& scan, const Board& board) {
+  std::vector<LidarSight> sights;
+  for (const BoardCandidate& candidate : find_board_candidates(scan, board)) {
+    sights.push_back(sight_of(scan, board, candidate));
+  }
+  return sights;
+}
+
+Result<LidarSight> picked_sight(const Scan& scan, const Board& board, const Pick& pick) {
+  const Result<BoardCandidate> picked = fit_picked_patch(scan, board, pick.row, pick.column, pick.radius);
+  if (!picked) return fail(picked.error());
+  return sight_of(scan, board, *picked, true);
+}
+
+}  // namespace ca2
