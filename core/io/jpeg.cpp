@@ -30,7 +30,7 @@ Result<std::string> encode_jpeg(const Image& image, int quality) {
   return std::string(reinterpret_cast<const char*>(buffer), size);
 }
 
-Result<Image> decode_jpeg(std::string_view bytes, const std::string& name) {
+Result<Image> decode_jpeg(std::string_view bytes, const std::string& name, JpegColours wanted) {
   const std::unique_ptr<void, int (*)(tjhandle)> decompressor(tjInitDecompress(), tjDestroy);
   const auto damaged = [&] {
     return fail(ErrorCode::data, name,
@@ -43,7 +43,7 @@ Result<Image> decode_jpeg(std::string_view bytes, const std::string& name) {
                           &colours) != 0) {
     return damaged();
   }
-  image.channels = colours == TJCS_GRAY ? 1 : 3;
+  image.channels = colours == TJCS_GRAY || wanted == JpegColours::grey ? 1 : 3;
   const std::size_t size = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) *
                            image.bytes_per_pixel();
   if (image.width > max_side || image.height > max_side || size > max_bytes) {

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,17 +13,12 @@
 #include "drivers/lidar/ouster/decoder.h"
 #include "drivers/lidar/velodyne/decoder.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_timing.h"
 
 namespace ca2 {
 namespace {
 
 constexpr int revolutions = 4;
-
-double cpu_ns() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
-}
 
 /// A sensor's packets of some revolutions, and what decodes them.
 struct Stream {
@@ -95,11 +89,6 @@ double decode_once(const Stream& stream, std::size_t& points) {
   return cpu_ns() - start;
 }
 
-/// Keeps the optimiser from seeing that a result is not used.
-void keep(const void* pointer) {
-  asm volatile("" : : "g"(pointer) : "memory");
-}
-
 /// A range loaded, a precomputed direction multiplied, a point stored.
 double floor_once(std::size_t points) {
   constexpr std::size_t table = 131072;
@@ -125,12 +114,6 @@ double copy_once(const Stream& stream) {
     keep(buffer.data());
   }
   return cpu_ns() - start;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
