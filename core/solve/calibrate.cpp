@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "ca2_version.h"
+#include "core/geometry/adjoint.h"
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
@@ -109,11 +110,7 @@ class JointReport {
         Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, answer_.covariance.rows());
     J.middleCols<6>(lidar_index(l)).setIdentity();
     if (c > 0) {
-      const Pose T_lidar_camera = T_camera_lidar.inverse();
-      Matrix6d adjoint;
-      adjoint << T_lidar_camera.R, Eigen::Matrix3d::Zero(), skew(T_lidar_camera.t) * T_lidar_camera.R,
-          T_lidar_camera.R;
-      J.middleCols<6>(camera_index(c)) = -adjoint;
+      J.middleCols<6>(camera_index(c)) = -adjoint(T_camera_lidar.inverse());
     }
     return J;
   }

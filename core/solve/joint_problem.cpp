@@ -6,18 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/adjoint.h"
+
 namespace ca2 {
 namespace {
 
 /// Holds a value that has no freedom: 1e-9 of its unit.
 constexpr double held = 1e18;
-
-/// Adjoint for right perturbations (rotation, translation): T exp(d) = exp(Ad d) T.
-Matrix6d adjoint(const Pose& T) {
-  Matrix6d Ad;
-  Ad << T.R, Eigen::Matrix3d::Zero(), skew(T.t) * T.R, T.R;
-  return Ad;
-}
 
 }  // namespace
 
