@@ -63,6 +63,8 @@ class BoardType {
   virtual bool black(const Board& board, const Eigen::Vector2d& p) const = 0;
   /// Does the pattern look the same after half a turn, so that corner ids are ambiguous?
   virtual bool half_turn_ambiguous(const Board& board) const = 0;
+  /// Does a part of the pattern look like another part, so that only the whole of it can be placed?
+  virtual bool repeats(const Board&) const { return false; }
   /// Finds the corners in an 8-bit grey picture, to about half a pixel; empty when the board is not there.
   /// Ids of an ambiguous board are one of the two choices. Deterministic.
   virtual std::vector<Corner> find(const Board& board, const Image& grey8) const = 0;

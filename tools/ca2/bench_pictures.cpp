@@ -136,14 +136,39 @@ void lay_board(cv::Mat& scene, const Board& board, const Camera& camera, const P
   }
 }
 
+Camera camera_of(const char* model, std::initializer_list<double> parameters, int width, int height) {
+  Camera camera{find_camera_model(model), {}, width, height};
+  camera.parameters.resize(static_cast<Eigen::Index>(parameters.size()));
+  std::copy(parameters.begin(), parameters.end(), camera.parameters.data());
+  return camera;
+}
+
 }  // namespace
 
-std::vector<BenchPicture> board_pictures(const std::string& kind, const Board& board, const Camera& camera,
-                                         double off_axis, double nearest, double farthest, int count,
-                                         Random& random) {
-  std::vector<BenchPicture> pictures;
-  while (static_cast<int>(pictures.size()) < count) {
-    const double off = uniform(random, 0, off_axis);
+Board bench_board() {
+  Board board;
+  board.type = find_board_type("checkerboard");
+  board.columns = 8;
+  board.rows = 6;
+  board.square = 0.04;
+  return board;
+}
+
+std::vector<BenchCamera> bench_cameras() {
+  return {{"848x800 wide",
+           camera_of("kannala_brandt", {286, 286, 424, 400, -0.007, 0.044, -0.042, 0.007}, 848, 800),
+           {1.0, 0.3, 1.0}},
+          {"1388x1038",
+           camera_of("pinhole_radtan", {1250, 1250, 693.5, 518.5, -0.1, 0.05, 0, 0}, 1388, 1038),
+           {0.3, 0.7, 3.0}},
+          {"2048x1536",
+           camera_of("pinhole_radtan", {1700, 1700, 1023.5, 767.5, -0.2, 0.1, 0, 0}, 2048, 1536),
+           {0.35, 0.7, 4.0}}};
+}
+
+Pose random_board_pose(const Board& board, const Camera& camera, const BoardPlaces& places, Random& random) {
+  for (;;) {
+    const double off = uniform(random, 0, places.off_axis);
     const double around = uniform(random, 0, 2 * M_PI);
     const Eigen::Vector3d bearing(std::sin(off) * std::cos(around), std::sin(off) * std::sin(around),
                                   std::cos(off));
@@ -153,16 +178,28 @@ std::vector<BenchPicture> board_pictures(const std::string& kind, const Board& b
     const Eigen::Matrix3d R =
         Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), bearing).toRotationMatrix() *
         so3_exp(tilt) * so3_exp({0, 0, uniform(random, -M_PI, M_PI)});
-    const Pose T_camera_board{R, bearing * uniform(random, nearest, farthest)};
+    const Pose T_camera_board{R, bearing * uniform(random, places.nearest, places.farthest)};
     bool whole = true;
     for (const Eigen::Vector2d& p : board.type->corners(board)) {
       const auto pixel = camera.project(T_camera_board * Eigen::Vector3d(p.x(), p.y(), 0));
       whole = whole && pixel && camera.contains(*pixel, 12);
     }
-    if (!whole) continue;
-    cv::Mat scene = windows(camera.width, camera.height, random);
-    lay_board(scene, board, camera, T_camera_board);
-    pictures.push_back({kind, photographed(scene, uniform(random, 0.4, 1.2), 1.8, random)});
+    if (whole) return T_camera_board;
+  }
+}
+
+Image board_picture(const Board& board, const Camera& camera, const Pose& T_camera_board, Random& random) {
+  cv::Mat scene = windows(camera.width, camera.height, random);
+  lay_board(scene, board, camera, T_camera_board);
+  return photographed(scene, uniform(random, 0.4, 1.2), 1.8, random);
+}
+
+std::vector<BenchPicture> board_pictures(const std::string& kind, const Board& board, const Camera& camera,
+                                         const BoardPlaces& places, int count, Random& random) {
+  std::vector<BenchPicture> pictures;
+  for (int i = 0; i < count; ++i) {
+    const Pose T_camera_board = random_board_pose(board, camera, places, random);
+    pictures.push_back({kind, board_picture(board, camera, T_camera_board, random)});
   }
   return pictures;
 }

@@ -14,11 +14,37 @@ struct BenchPicture {
   Image image;  ///< 8-bit grey
 };
 
-/// Views of a board through `camera`, whole in the picture, between `nearest` and `farthest` m away and up to
-/// `off_axis` rad from the optical axis, tilted up to 60 degrees, before clutter.
+/// Where a board is held.
+struct BoardPlaces {
+  double off_axis = 0;  ///< rad from the optical axis, at most
+  double nearest = 0;   ///< m
+  double farthest = 0;  ///< m
+};
+
+/// The board whole in the picture, tilted up to 60 degrees.
+Pose random_board_pose(const Board& board, const Camera& camera, const BoardPlaces& places,
+                       std::mt19937_64& random);
+
+/// The board before clutter.
+Image board_picture(const Board& board, const Camera& camera, const Pose& T_camera_board,
+                    std::mt19937_64& random);
+
+/// `count` of them, anywhere in `places`.
 std::vector<BenchPicture> board_pictures(const std::string& kind, const Board& board, const Camera& camera,
-                                         double off_axis, double nearest, double farthest, int count,
-                                         std::mt19937_64& random);
+                                         const BoardPlaces& places, int count, std::mt19937_64& random);
+
+/// What a board is looked for in and with, by the name of its rig.
+struct BenchCamera {
+  const char* name;
+  Camera camera;
+  BoardPlaces places;
+};
+
+/// A tracking camera's fisheye, an industrial camera, a large one.
+std::vector<BenchCamera> bench_cameras();
+
+/// 8 x 6 corners of 40 mm.
+Board bench_board();
 
 /// What searches stumble over: texture, foliage, a keyboard, blinds, windows, a checkered floor; `each` of
 /// every kind.

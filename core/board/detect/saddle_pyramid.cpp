@@ -14,81 +14,8 @@ constexpr double least_strength = 2.0;
 // A board has fewer corners than this by far; the rest is room for texture that outshines it.
 constexpr std::size_t most_peaks[] = {3500, 1800, 900};
 constexpr std::size_t most_saddles[] = {1400, 700, 400};
-constexpr int level_count = 3;
 constexpr double least_contrast = 10;  // grey values
 constexpr double least_angle = 0.4;    // rad between edges: a square seen at 65 degrees of tilt has more
-
-Image halved(const Image& image) {
-  Image half{image.width / 2, image.height / 2, 1, 8, {}};
-  half.bytes.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height));
-  for (int y = 0; y < half.height; ++y) {
-    const std::uint8_t* a = image.bytes.data() + static_cast<std::size_t>(2 * y) * image.width;
-    const std::uint8_t* b = a + image.width;
-    std::uint8_t* to = half.bytes.data() + static_cast<std::size_t>(y) * half.width;
-    int x = 0;
-    for (; x + 16 <= half.width; x += 16) {
-      cv::v_uint8x16 a0, a1, b0, b1;
-      cv::v_load_deinterleave(a + 2 * x, a0, a1);
-      cv::v_load_deinterleave(b + 2 * x, b0, b1);
-      cv::v_uint16x8 low, high, sum_low, sum_high;
-      cv::v_expand(a0, sum_low, sum_high);
-      for (const cv::v_uint8x16& part : {a1, b0, b1}) {
-        cv::v_expand(part, low, high);
-        sum_low += low;
-        sum_high += high;
-      }
-      cv::v_store(to + x, cv::v_rshr_pack<2>(sum_low, sum_high));
-    }
-    for (; x < half.width; ++x) {
-      to[x] = static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) >> 2);
-    }
-  }
-  return half;
-}
-
-/// Binomial 1 4 6 4 1 in both directions; the rim is repeated.
-SaddleLevel smoothed(const Image& image, double scale) {
-  const int w = image.width;
-  const int h = image.height;
-  SaddleLevel level{w, h, scale, {}};
-  level.smooth.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
-  std::vector<std::uint16_t> column(static_cast<std::size_t>(w) + 4);
-  for (int y = 0; y < h; ++y) {
-    const std::uint8_t* row[5];
-    for (int k = 0; k < 5; ++k) {
-      row[k] = image.bytes.data() + static_cast<std::size_t>(std::clamp(y + k - 2, 0, h - 1)) * w;
-    }
-    int x = 0;
-    for (; x + 8 <= w; x += 8) {
-      const cv::v_uint16x8 middle = cv::v_load_expand(row[2] + x);
-      const cv::v_uint16x8 near = cv::v_load_expand(row[1] + x) + cv::v_load_expand(row[3] + x);
-      const cv::v_uint16x8 far = cv::v_load_expand(row[0] + x) + cv::v_load_expand(row[4] + x);
-      const cv::v_uint16x8 sum = far + (near << 2) + (middle << 2) + (middle << 1);
-      cv::v_store(column.data() + 2 + x, sum);
-    }
-    for (; x < w; ++x) {
-      column[static_cast<std::size_t>(x) + 2] =
-          static_cast<std::uint16_t>(row[0][x] + row[4][x] + 4 * (row[1][x] + row[3][x]) + 6 * row[2][x]);
-    }
-    column[0] = column[1] = column[2];
-    column[static_cast<std::size_t>(w) + 3] = column[static_cast<std::size_t>(w) + 2] =
-        column[static_cast<std::size_t>(w) + 1];
-    std::int16_t* to = level.smooth.data() + static_cast<std::size_t>(y) * w;
-    const std::uint16_t* c = column.data();
-    for (x = 0; x + 8 <= w; x += 8) {
-      const cv::v_uint16x8 middle = cv::v_load(c + x + 2);
-      const cv::v_uint16x8 near = cv::v_load(c + x + 1) + cv::v_load(c + x + 3);
-      const cv::v_uint16x8 far = cv::v_load(c + x) + cv::v_load(c + x + 4);
-      const cv::v_uint16x8 sum = far + (near << 2) + (middle << 2) + (middle << 1);
-      cv::v_store(to + x, cv::v_reinterpret_as_s16(sum >> 4));
-    }
-    for (; x < w; ++x) {
-      const int sum = c[x] + c[x + 4] + 4 * (c[x + 1] + c[x + 3]) + 6 * c[x + 2];
-      to[x] = static_cast<std::int16_t>(sum >> 4);
-    }
-  }
-  return level;
-}
 
 // The response is (64 Ixy)^2 - (64 Ixx)(64 Iyy) of grey values, times 2^-10, saturated: it fits 16 bits.
 constexpr int response_shift = 10;
@@ -238,30 +165,6 @@ std::optional<EdgeCross> cross_on_ring(const SaddleLevel& level, const Eigen::Ve
 }
 
 }  // namespace
-
-double SaddleLevel::interpolate(double x, double y) const {
-  const int i = static_cast<int>(x);
-  const int j = static_cast<int>(y);
-  const double a = x - i;
-  const double b = y - j;
-  const std::int16_t* v = smooth.data() + static_cast<std::size_t>(j) * width + i;
-  return ((1 - b) * ((1 - a) * v[0] + a * v[1]) + b * ((1 - a) * v[width] + a * v[width + 1])) / 16;
-}
-
-double SaddleLevel::grey(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d p = to_level(pixel);
-  return interpolate(std::clamp(p.x(), 0.0, width - 1.001), std::clamp(p.y(), 0.0, height - 1.001));
-}
-
-std::vector<SaddleLevel> saddle_levels(const Image& grey8) {
-  std::vector<SaddleLevel> levels;
-  Image image;
-  for (int k = 0; k < level_count; ++k) {
-    if (k > 0) image = halved(k == 1 ? grey8 : image);
-    levels.push_back(smoothed(k == 0 ? grey8 : image, 1 << k));
-  }
-  return levels;
-}
 
 std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int level,
                                   const Eigen::Vector2d& pixel) {

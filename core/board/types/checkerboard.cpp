@@ -47,6 +47,8 @@ class Checkerboard final : public BoardType {
     return (board.columns + board.rows) % 2 == 0;
   }
 
+  bool repeats(const Board&) const override { return true; }
+
   std::vector<Corner> find(const Board& board, const Image& grey8) const override {
     return find_checkerboard(board.columns, board.rows, grey8);
   }
