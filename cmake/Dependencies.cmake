@@ -15,6 +15,9 @@ pkg_check_modules(PCL REQUIRED pcl_common)
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)
 # HTTP to sensors. Its .pc file defines the TLS and compression switches the compiled half was built with.
 pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
+# The T265; and the check of its firmware file.
+pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
+pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 # No CMake package of LCM in Debian: pkg-config, and lcm-gen by hand (messages/CMakeLists.txt).
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)

@@ -9,6 +9,8 @@ packages=(
   libeigen3-dev libopencv-dev libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev libopencv-contrib-dev
   libpcl-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libexpected-dev libpng-dev libturbojpeg0-dev libpcap-dev libpugixml-dev
   libcpp-httplib-dev
+  libusb-1.0-0-dev
+  libssl-dev
   liblcm-dev liblcm-bin libsodium-dev
   # tests
   libgtest-dev
