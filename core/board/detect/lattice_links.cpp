@@ -16,11 +16,13 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// The slot of a saddle that leads along a unit direction, or -1.
-int slot_along(const Saddle& saddle, const Eigen::Vector2d& direction) {
-  const double along0 = saddle.e0.dot(direction);
-  const double along1 = saddle.e1.dot(direction);
-  if (std::max(std::abs(along0), std::abs(along1)) < least_cosine) return -1;
+/// The slot of a saddle that leads along an offset, or -1. Most offsets lead along none: those cost four
+/// multiplications each.
+inline int slot_along(const Saddle& saddle, const Eigen::Vector2d& offset) {
+  const double along0 = saddle.e0.dot(offset);
+  const double along1 = saddle.e1.dot(offset);
+  const double best = std::max(std::abs(along0), std::abs(along1));
+  if (best * best < least_cosine * least_cosine * offset.squaredNorm()) return -1;
   if (std::abs(along0) >= std::abs(along1)) return along0 > 0 ? 0 : 2;
   return along1 > 0 ? 1 : 3;
 }
@@ -84,10 +86,10 @@ std::array<int, 4> nearest_neighbours(const std::vector<SaddleLevel>& levels,
       if (k == self) return;
       const Saddle& b = saddles[static_cast<std::size_t>(k)];
       const Eigen::Vector2d offset = b.pixel - a.pixel;
+      const int slot = slot_along(a, offset);
+      if (slot < 0 || nearest[static_cast<std::size_t>(slot)] >= 0) return;
       const double distance = offset.norm();
-      if (distance < 2.5) return;
-      const int slot = slot_along(a, offset / distance);
-      if (slot >= 0 && nearest[static_cast<std::size_t>(slot)] < 0) seen.push_back({distance, k, slot});
+      if (distance >= 2.5) seen.push_back({distance, k, slot});
     });
     // What is nearer than the next ring's nearest possible is settled.
     std::sort(seen.begin(), seen.end(), [](const Neighbour& p, const Neighbour& q) {
@@ -158,7 +160,7 @@ Links filtered(const Links& links, Keep keep) {
 bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b) {
   const Eigen::Vector2d offset = b.pixel - a.pixel;
   const double length = offset.norm();
-  const int back = slot_along(b, -offset / length);
+  const int back = slot_along(b, -offset);
   if (back < 0) return false;
   const Eigen::Vector2d bright_a = slot_direction(a, bright_slot(slot));
   const Eigen::Vector2d bright_b = slot_direction(b, bright_slot(back));

@@ -85,18 +85,10 @@ SaddleLevel smoothed(const Image& image, double scale) {
 
 }  // namespace
 
-double SaddleLevel::interpolate(double x, double y) const {
-  const int i = static_cast<int>(x);
-  const int j = static_cast<int>(y);
-  const double a = x - i;
-  const double b = y - j;
-  const std::int16_t* v = smooth.data() + static_cast<std::size_t>(j) * width + i;
-  return ((1 - b) * ((1 - a) * v[0] + a * v[1]) + b * ((1 - a) * v[width] + a * v[width + 1])) / 16;
-}
-
 double SaddleLevel::grey(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d p = to_level(pixel);
-  return interpolate(std::clamp(p.x(), 0.0, width - 1.001), std::clamp(p.y(), 0.0, height - 1.001));
+  return interpolate(static_cast<float>(std::clamp(p.x(), 0.0, width - 1.001)),
+                     static_cast<float>(std::clamp(p.y(), 0.0, height - 1.001)));
 }
 
 std::vector<SaddleLevel> saddle_levels(const Image& grey8) {

@@ -19,7 +19,14 @@ struct SaddleLevel {
 
   int at(int x, int y) const { return smooth[static_cast<std::size_t>(y) * width + x]; }
   /// Bilinear grey value 0..255 at a place of this level, 0 <= x < width - 1, 0 <= y < height - 1.
-  double interpolate(double x, double y) const;
+  float interpolate(float x, float y) const {
+    const int i = static_cast<int>(x);
+    const int j = static_cast<int>(y);
+    const float a = x - static_cast<float>(i);
+    const float b = y - static_cast<float>(j);
+    const std::int16_t* v = smooth.data() + static_cast<std::size_t>(j) * width + i;
+    return ((1 - b) * ((1 - a) * v[0] + a * v[1]) + b * ((1 - a) * v[width] + a * v[width + 1])) / 16;
+  }
   /// Bilinear grey value 0..255 at a pixel of the picture; the rim's outside it.
   double grey(const Eigen::Vector2d& pixel) const;
   Eigen::Vector2d to_level(const Eigen::Vector2d& pixel) const {

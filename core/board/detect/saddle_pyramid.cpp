@@ -66,6 +66,21 @@ bool is_peak(const std::int16_t* centre, int w) {
   return true;
 }
 
+/// Which of the 8 responses from `at` on can be a peak above the threshold, as bits. Nearly always the first
+/// comparisons say none, on texture too.
+int peak_lanes(const std::int16_t* at, int w, const cv::v_int16x8& threshold) {
+  const cv::v_int16x8 value = cv::v_load(at);
+  cv::v_int16x8 peaks = value > threshold;
+  if (!cv::v_check_any(peaks)) return 0;
+  for (const int dy : {0, -1, 1, -2, 2}) {
+    const std::int16_t* row = at + static_cast<std::ptrdiff_t>(dy) * w;
+    peaks &= (value >= cv::v_load(row - 1)) & (value >= cv::v_load(row + 1));
+    peaks &= (value >= cv::v_load(row - 2)) & (value >= cv::v_load(row + 2)) & (value >= cv::v_load(row));
+    if (!cv::v_check_any(peaks)) return 0;
+  }
+  return cv::v_signmask(peaks);
+}
+
 std::vector<Peak> peaks_of(const SaddleLevel& level, std::size_t most) {
   const int w = level.width;
   const int h = level.height;
@@ -80,9 +95,10 @@ std::vector<Peak> peaks_of(const SaddleLevel& level, std::size_t most) {
     const std::int16_t* row = response.data() + static_cast<std::size_t>(y) * w;
     for (int x = 4; x < w - 4; x += 8) {
       const int end = std::min(x + 8, w - 4);
-      if (end == x + 8 && !cv::v_check_any(cv::v_load(row + x) > threshold)) continue;
+      const unsigned lanes = end == x + 8 ? static_cast<unsigned>(peak_lanes(row + x, w, threshold)) : 0xffu;
       for (int k = x; k < end; ++k) {
-        if (row[k] > least && is_peak(row + k, w)) peaks.push_back({row[k], k, y});
+        const bool possible = ((lanes >> (k - x)) & 1u) != 0;
+        if (possible && row[k] > least && is_peak(row + k, w)) peaks.push_back({row[k], k, y});
       }
     }
   }
@@ -115,31 +131,31 @@ std::optional<EdgeCross> cross_on_ring(const SaddleLevel& level, const Eigen::Ve
     return std::nullopt;
   }
   static const auto circle = [] {
-    std::array<Eigen::Vector2d, ring_samples> points;
+    std::array<Eigen::Vector2f, ring_samples> points;
     for (int k = 0; k < ring_samples; ++k) {
       const double angle = 2 * M_PI * k / ring_samples;
-      points[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+      points[static_cast<std::size_t>(k)] = Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
     }
     return points;
   }();
-  std::array<double, ring_samples> grey;
-  double low = 1e9;
-  double high = -1e9;
+  // Thousands of these on texture: single precision, and out again as soon as possible.
+  const Eigen::Vector2f centre = p.cast<float>();
+  const auto r = static_cast<float>(radius);
+  std::array<float, ring_samples> grey;
   for (std::size_t k = 0; k < ring_samples; ++k) {
-    grey[k] = level.interpolate(p.x() + radius * circle[k].x(), p.y() + radius * circle[k].y());
-    low = std::min(low, grey[k]);
-    high = std::max(high, grey[k]);
+    grey[k] = level.interpolate(centre.x() + r * circle[k].x(), centre.y() + r * circle[k].y());
   }
-  const double contrast = high - low;
-  const double middle = 0.5 * (low + high);
+  const auto [low, high] = std::minmax_element(grey.begin(), grey.end());
+  const double contrast = *high - *low;
+  const double middle = 0.5 * (*low + *high);
   if (contrast < least_contrast) return std::nullopt;
   // The middle of the cross is as far from the bright fields as from the dark ones.
-  if (std::abs(level.interpolate(p.x(), p.y()) - middle) > 0.25 * contrast) return std::nullopt;
+  if (std::abs(level.interpolate(centre.x(), centre.y()) - middle) > 0.25 * contrast) return std::nullopt;
   double crossing[4];
   double extreme[4];  // of the field that ends at each crossing, from the middle
   int count = 0;
   double field = 0;
-  const auto start = static_cast<std::size_t>(std::find(grey.begin(), grey.end(), high) - grey.begin());
+  const auto start = static_cast<std::size_t>(high - grey.begin());
   for (std::size_t n = 0; n < ring_samples; ++n) {
     const double here = grey[(start + n) % ring_samples] - middle;
     const double next = grey[(start + n + 1) % ring_samples] - middle;
