@@ -14,6 +14,8 @@ packages=(
   liblcm-dev liblcm-bin libsodium-dev
   # tests
   libgtest-dev
+  umockdev
+  libumockdev-dev
   # tests against device interfaces: a guest machine with Debian's own kernel
   qemu-system-x86
   busybox-static
