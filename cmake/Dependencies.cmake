@@ -22,3 +22,7 @@ pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 # No CMake package of LCM in Debian: pkg-config, and lcm-gen by hand (messages/CMakeLists.txt).
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
+# GigE Vision and USB3 Vision cameras.
+if(CA2_WITH_ARAVIS)
+  pkg_check_modules(ARAVIS REQUIRED IMPORTED_TARGET aravis-0.8)
+endif()

@@ -10,6 +10,7 @@ packages=(
   libpcl-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libexpected-dev libpng-dev libturbojpeg0-dev libpcap-dev libpugixml-dev
   libcpp-httplib-dev
   libusb-1.0-0-dev
+  libaravis-dev
   libssl-dev
   liblcm-dev liblcm-bin libsodium-dev
   # tests

@@ -61,6 +61,7 @@ struct CameraCounters {
   std::uint64_t incomplete = 0;  ///< damaged or partly lost on the way: never used
   std::uint64_t missed = 0;      ///< gaps in the device's own count
   std::uint64_t overrun = 0;     ///< dropped by us because nobody took them in time
+  std::uint64_t resent = 0;      ///< packets that came when asked for again; no frame was lost by them
 };
 
 /// An open device. One thread calls start(), next() and stop(); the others may be called from any.
@@ -96,6 +97,8 @@ class CameraSource {
   }
 
   virtual CameraCounters counters() const = 0;
+  /// What a person should mend although it works: small receive buffers, small packets, a slow bus.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 }  // namespace ca2

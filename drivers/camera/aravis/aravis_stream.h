@@ -1,0 +1,63 @@
+/// @file A camera's stream of buffers.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/types/result.h"
+#include "drivers/camera/aravis/glib.h"
+
+namespace ca2 {
+
+struct StreamOptions {
+  int packet_size = 0;  ///< bytes; 0: the largest that arrives
+  int buffers = 16;
+  bool resend = true;
+};
+
+/// Receives from its construction on; the camera's acquisition is started and stopped by others.
+class AravisStream {
+ public:
+  /// Negotiates the packets' size and queues the buffers.
+  static Result<std::unique_ptr<AravisStream>> open(ArvDevice* device, const StreamOptions& options);
+  AravisStream(const AravisStream&) = delete;
+  AravisStream& operator=(const AravisStream&) = delete;
+  ~AravisStream();
+
+  /// Gives a buffer back to the stream.
+  struct Requeue {
+    ArvStream* stream = nullptr;
+    void operator()(ArvBuffer* buffer) const { arv_stream_push_buffer(stream, buffer); }
+  };
+  using Buffer = std::unique_ptr<ArvBuffer, Requeue>;
+
+  /// The oldest buffer that is done, whole or not; none when there is none.
+  Buffer pop();
+  /// When a picture's first packet came last (steady clock); never: the clock's epoch.
+  std::chrono::steady_clock::time_point last_leader() const;
+  /// Readable when pop() should be tried, or control_lost() looked at.
+  int ready_fd() const;
+  bool control_lost() const;
+
+  struct Statistics {
+    std::uint64_t underruns = 0;  ///< pictures that found no buffer
+    std::uint64_t resent = 0;     ///< packets
+  };
+  Statistics statistics() const;
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  /// What Aravis's own threads touch.
+  struct Signal;
+  AravisStream();
+
+  std::unique_ptr<Signal> signal_;
+  ArvDevice* device_ = nullptr;
+  gulong control_lost_handler_ = 0;
+  GObjectPtr<ArvStream> stream_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace ca2
