@@ -4,19 +4,21 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+
+#include "core/board/track_board.h"
 
 namespace ca2 {
 namespace {
 
-Image crop(const Image& image, int x, int y, int width, int height) {
-  Image part{width, height, image.channels, image.bits, {}};
-  const std::size_t pixel = image.bytes_per_pixel(), row = static_cast<std::size_t>(width) * pixel;
+Image crop(const Image& grey8, int x, int y, int width, int height) {
+  Image part{width, height, 1, 8, {}};
+  const auto row = static_cast<std::size_t>(width);
   part.bytes.resize(row * static_cast<std::size_t>(height));
   for (int r = 0; r < height; ++r) {
-    const std::size_t from = (static_cast<std::size_t>(y + r) * static_cast<std::size_t>(image.width) +
-                              static_cast<std::size_t>(x)) *
-                             pixel;
-    std::memcpy(part.bytes.data() + static_cast<std::size_t>(r) * row, image.bytes.data() + from, row);
+    const auto from =
+        static_cast<std::size_t>(y + r) * static_cast<std::size_t>(grey8.width) + static_cast<std::size_t>(x);
+    std::memcpy(part.bytes.data() + static_cast<std::size_t>(r) * row, grey8.bytes.data() + from, row);
   }
   return part;
 }
@@ -29,35 +31,46 @@ Eigen::AlignedBox2d box_of(const std::vector<Corner>& corners) {
 
 }  // namespace
 
-std::optional<CameraDetector::Region> CameraDetector::predict(const Image& image) const {
-  if (last_.empty()) return std::nullopt;
+std::vector<Corner> CameraDetector::expected() const {
+  std::map<int, Eigen::Vector2d> before;
+  for (const Corner& corner : before_) before[corner.id] = corner.pixel;
+  std::vector<Corner> corners = last_;
+  for (Corner& corner : corners) {
+    const auto was = before.find(corner.id);
+    if (was != before.end()) corner.pixel += corner.pixel - was->second;
+  }
+  return corners;
+}
+
+std::vector<Corner> CameraDetector::search_region(const Image& grey8) const {
   const Eigen::AlignedBox2d box = box_of(last_);
   // The pattern's rim lies a square outside its corners; on top of that, the board may move on as it did.
   double margin = 0.3 * box.diagonal().norm() + 16;
   if (!before_.empty()) margin += (box.center() - box_of(before_).center()).norm();
   const auto low = [&](double v) { return std::max(0, static_cast<int>(std::floor(v - margin))); };
-  Region region;
-  region.x = low(box.min().x());
-  region.y = low(box.min().y());
-  region.width = std::min(image.width, static_cast<int>(std::ceil(box.max().x() + margin)) + 1) - region.x;
-  region.height = std::min(image.height, static_cast<int>(std::ceil(box.max().y() + margin)) + 1) - region.y;
-  if (region.width <= 0 || region.height <= 0) return std::nullopt;
-  return region;
+  const int x = low(box.min().x());
+  const int y = low(box.min().y());
+  const int width = std::min(grey8.width, static_cast<int>(std::ceil(box.max().x() + margin)) + 1) - x;
+  const int height = std::min(grey8.height, static_cast<int>(std::ceil(box.max().y() + margin)) + 1) - y;
+  if (width <= 0 || height <= 0) return {};
+  std::vector<Corner> corners = board_.type->find(board_, crop(grey8, x, y, width, height));
+  for (Corner& corner : corners) corner.pixel += Eigen::Vector2d(x, y);
+  return corners;
 }
 
 CameraObservation CameraDetector::detect(std::int64_t time, std::shared_ptr<const Image> image) {
+  const Image grey8 = to_grey8(*image);
+  std::vector<Corner> corners;
+  if (!last_.empty()) corners = track_board(board_, grey8, expected());
+  if (corners.empty() && !last_.empty()) corners = search_region(grey8);
+  if (corners.empty()) corners = board_.type->find(board_, grey8);
+  before_ = std::move(last_);
+  last_ = corners;
   CameraObservation observation;
   observation.camera = camera_;
   observation.time = time;
-  if (const std::optional<Region> region = predict(*image)) {
-    observation.corners =
-        detect_board(board_, crop(*image, region->x, region->y, region->width, region->height));
-    for (Corner& corner : observation.corners) corner.pixel += Eigen::Vector2d(region->x, region->y);
-  }
-  if (observation.corners.empty()) observation.corners = detect_board(board_, *image);
-  before_ = std::move(last_);
-  last_ = observation.corners;
   observation.image = std::move(image);
+  observation.corners = std::move(corners);
   return observation;
 }
 

@@ -95,4 +95,20 @@ std::string judge_lidar(const std::string& name, const LidarSight& sight) {
   return {};
 }
 
+std::string judge_stored(const Rig& rig, const ViewSights& view) {
+  bool seen = false;
+  std::size_t index = 0;
+  for (const auto& [name, camera] : rig.cameras) {
+    const std::size_t c = index++;
+    if (c >= view.cameras.size() || !view.cameras[c]) continue;
+    seen = true;
+    const std::optional<BoardPose> pose =
+        camera.intrinsics ? std::optional(view.cameras[c]->pose) : std::nullopt;
+    if (std::string why = judge_camera(name, rig.board, view.cameras[c]->corners, pose); !why.empty()) {
+      return why;
+    }
+  }
+  return seen ? "" : "the picture is too blurred to see the board in it: more light or a steadier hand";
+}
+
 }  // namespace ca2

@@ -7,6 +7,7 @@
 
 #include "core/board/board.h"
 #include "core/features/sights.h"
+#include "core/session/rig.h"
 
 namespace ca2 {
 
@@ -16,5 +17,9 @@ std::string judge_camera(const std::string& name, const Board& board, const std:
 
 /// `sight` is that of one scan.
 std::string judge_lidar(const std::string& name, const LidarSight& sight);
+
+/// The cameras once more, on what the search finds in the stored view: while the board is carried its corners
+/// are only as good as tracking needs them, and blur shows when they are refined.
+std::string judge_stored(const Rig& rig, const ViewSights& view);
 
 }  // namespace ca2

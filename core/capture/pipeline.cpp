@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/capture/gates.h"
 #include "core/capture/held_view.h"
 #include "core/capture/view_builder.h"
 #include "core/features/lidar_sights.h"
@@ -388,6 +389,13 @@ CaptureActions CapturePipeline::stored(std::int64_t time, int id, Result<ViewSig
     return actions;
   }
   answer->id = id;
+  if (const std::string refusal = judge_stored(state_->rig, *answer); !refusal.empty()) {
+    state_->known.remove(id);
+    state_->hold.reason = refusal;
+    actions.push_back(DropView{id});
+    state_->say(actions, time, "rejected", refusal);
+    return actions;
+  }
   state_->views.push_back(std::move(*answer));
   state_->say(actions, time, "captured", formatted("view %d is stored", id));
   state_->request_solve(actions);

@@ -250,6 +250,28 @@ TEST(Pipeline, AViewThatIsNotStoredDoesNotCount) {
   EXPECT_NE(status.reason.find("the disk is full"), std::string::npos);
 }
 
+TEST(Pipeline, AViewThatTurnsOutBlurredIsTakenBack) {
+  Script script;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+  const auto sharp = script.store;
+  bool seen = true;
+  script.store = [&](const StoreView& view) {
+    Result<ViewSights> answer = sharp(view);
+    for (Corner& corner : answer->cameras[0]->corners) corner.covariance.setIdentity();
+    if (!seen) answer->cameras[0].reset();
+    return answer;
+  };
+  for (const char* reason : {"is blurred", "too blurred to see"}) {
+    CapturePipeline pipeline(script.rig, {}, {});
+    script.run(pipeline, 0, 3);
+    EXPECT_TRUE(said(script, "rejected", reason));
+    EXPECT_EQ(pipeline.status(3 * test::second).views, 0);
+    EXPECT_EQ(script.dropped, std::vector<int>{1});
+    script.dropped.clear();
+    seen = false;
+  }
+}
+
 TEST(Pipeline, DropsAndSolves) {
   Script script;
   Poses poses;

@@ -103,6 +103,7 @@ void Script::handle(CapturePipeline& pipeline, double time, CaptureActions actio
   const std::int64_t now = std::llround(time * 1e9);
   for (CaptureAction& action : actions) {
     if (auto* event = std::get_if<CaptureEvent>(&action)) events.push_back(*event);
+    if (auto* drop = std::get_if<DropView>(&action)) dropped.push_back(drop->id);
     if (auto* solve = std::get_if<SolveViews>(&action)) solves.push_back(*solve);
     if (auto* view = std::get_if<StoreView>(&action)) {
       stored.push_back({time, std::move(*view)});

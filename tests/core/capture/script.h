@@ -40,6 +40,7 @@ class Script {
     StoreView view;
   };
   std::vector<Stored> stored;
+  std::vector<int> dropped;  ///< ids
   std::vector<CaptureEvent> events;
   std::vector<SolveViews> solves;
   std::function<Result<ViewSights>(const StoreView&)> store;  ///< what the host answers
