@@ -12,11 +12,15 @@ packages=(
   libusb-1.0-0-dev
   libaravis-dev
   libssl-dev
+  libapriltag-dev
   liblcm-dev liblcm-bin libsodium-dev
   # tests
   libgtest-dev
   umockdev
   libumockdev-dev
+  # printed boards drawn by programs of others
+  librsvg2-bin
+  poppler-utils
   # tests against device interfaces: a guest machine with Debian's own kernel
   qemu-system-x86
   busybox-static

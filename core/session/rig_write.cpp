@@ -1,24 +1,10 @@
 #include "core/io/yaml_text.h"
+#include "core/session/board_yaml.h"
 #include "core/session/pose_yaml.h"
 #include "core/session/rig.h"
 
 namespace ca2 {
 namespace {
-
-void write_board(std::string& out, const Board& board) {
-  out += "board:\n";
-  if (board.type) out += "  type: " + yaml_string(board.type->name()) + "\n";
-  out += "  columns: " + std::to_string(board.columns) + "\n";
-  out += "  rows: " + std::to_string(board.rows) + "\n";
-  out += "  square: " + exact(board.square) + "\n";
-  if (board.marker != 0) out += "  marker: " + exact(board.marker) + "\n";
-  if (board.spacing != 0) out += "  spacing: " + exact(board.spacing) + "\n";
-  if (board.dictionary != Board().dictionary) out += "  dictionary: " + yaml_string(board.dictionary) + "\n";
-  if (board.outline) {
-    out += "  outline: {width: " + exact(board.outline->width) + ", height: " + exact(board.outline->height) +
-           ", center: " + exact_list(board.outline->center) + "}\n";
-  }
-}
 
 void write_source(std::string& out, const SourceOptions& source) {
   if (source.empty()) return;
@@ -57,9 +43,25 @@ void write_lidar(std::string& out, const std::string& name, const RigLidar& lida
 
 }  // namespace
 
+std::string write_board(const Board& board) {
+  std::string out = "board:\n";
+  if (board.type) out += "  type: " + yaml_string(board.type->name()) + "\n";
+  out += "  columns: " + std::to_string(board.columns) + "\n";
+  out += "  rows: " + std::to_string(board.rows) + "\n";
+  out += "  square: " + exact(board.square) + "\n";
+  if (board.marker != 0) out += "  marker: " + exact(board.marker) + "\n";
+  if (board.spacing != 0) out += "  spacing: " + exact(board.spacing) + "\n";
+  if (board.dictionary != Board().dictionary) out += "  dictionary: " + yaml_string(board.dictionary) + "\n";
+  if (board.outline) {
+    out += "  outline: {width: " + exact(board.outline->width) + ", height: " + exact(board.outline->height) +
+           ", center: " + exact_list(board.outline->center) + "}\n";
+  }
+  return out;
+}
+
 std::string write_rig(const Rig& rig) {
   std::string out = "version: 1\n";
-  write_board(out, rig.board);
+  out += write_board(rig.board);
   if (!rig.cameras.empty()) out += "cameras:\n";
   for (const auto& [name, camera] : rig.cameras) write_camera(out, name, camera);
   if (!rig.lidars.empty()) out += "lidars:\n";

@@ -1,6 +1,7 @@
 #include "core/board/refine/neighbourhood.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -10,12 +11,27 @@ namespace {
 
 using Cell = std::pair<long, long>;
 
+/// The distinct coordinates of the corners on one axis, rising; a micrometre apart is the same line.
+std::vector<double> lines(const std::vector<Eigen::Vector2d>& board_points, int axis) {
+  std::vector<double> all;
+  for (const Eigen::Vector2d& point : board_points) all.push_back(point[axis]);
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end(), [](double a, double b) { return b - a < 1e-6; }), all.end());
+  return all;
+}
+
+long nearest_line(const std::vector<double>& lines, double value) {
+  const auto above = std::lower_bound(lines.begin(), lines.end(), value - 1e-6);
+  return above - lines.begin();
+}
+
 }  // namespace
 
 double corner_pitch(const std::vector<Eigen::Vector2d>& board_points) {
   double pitch = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < board_points.size(); ++i) {
-    pitch = std::min(pitch, (board_points[i] - board_points[0]).norm());
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::vector<double> at = lines(board_points, axis);
+    for (std::size_t i = 1; i < at.size(); ++i) pitch = std::min(pitch, at[i] - at[i - 1]);
   }
   return pitch;
 }
@@ -23,9 +39,16 @@ double corner_pitch(const std::vector<Eigen::Vector2d>& board_points) {
 std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen::Vector2d>& board_points,
                                                          std::span<const Corner> corners) {
   const double pitch = corner_pitch(board_points);
+  const std::array<std::vector<double>, 2> at{lines(board_points, 0), lines(board_points, 1)};
   const auto cell_of = [&](const Corner& corner) {
-    const Eigen::Vector2d at = (board_points[static_cast<std::size_t>(corner.id)] - board_points[0]) / pitch;
-    return Cell(std::lround(at.x()), std::lround(at.y()));
+    const Eigen::Vector2d& point = board_points[static_cast<std::size_t>(corner.id)];
+    return Cell(nearest_line(at[0], point.x()), nearest_line(at[1], point.y()));
+  };
+  // Pitches from a cell to the next one on an axis, which is on the board.
+  const auto step = [&](const Cell& cell, int axis, long by) {
+    const std::vector<double>& line = at[static_cast<std::size_t>(axis)];
+    const auto index = static_cast<std::size_t>(axis == 0 ? cell.first : cell.second);
+    return std::abs(line[index + static_cast<std::size_t>(by)] - line[index]) / pitch;
   };
   std::map<Cell, Eigen::Vector2d> pixels;
   for (const Corner& corner : corners) pixels[cell_of(corner)] = corner.pixel;
@@ -36,13 +59,14 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
   const auto moved = [](const Cell& cell, int axis, long by) {
     return axis == 0 ? Cell(cell.first + by, cell.second) : Cell(cell.first, cell.second + by);
   };
-  // Second difference of three corners in a line.
+  // Second derivative of three corners in a line, px per pitch^2.
   const auto bend = [&](const Cell& cell, int axis) -> std::optional<Eigen::Vector2d> {
     const Eigen::Vector2d* before = pixel_at(moved(cell, axis, -1));
     const Eigen::Vector2d* here = pixel_at(cell);
     const Eigen::Vector2d* after = pixel_at(moved(cell, axis, 1));
     if (before == nullptr || here == nullptr || after == nullptr) return std::nullopt;
-    return *before + *after - 2 * *here;
+    const double b = step(cell, axis, -1), a = step(cell, axis, 1);
+    return 2 / (a + b) * ((*after - *here) / a - (*here - *before) / b);
   };
   std::vector<std::optional<Neighbourhood>> result;
   for (const Corner& corner : corners) {
@@ -64,12 +88,13 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
         }
       }
       Eigen::Vector2d& along = found->along[axis];
-      if (before != nullptr && after != nullptr) {
-        along = 0.5 * (*after - *before);
-      } else if (after != nullptr) {
-        along = *after - corner.pixel - 0.5 * second;
+      // The parabola through the corner and its neighbours: its slope at the corner.
+      if (after != nullptr) {
+        const double a = step(cell, axis, 1);
+        along = (*after - corner.pixel) / a - 0.5 * a * second;
       } else {
-        along = corner.pixel - *before + 0.5 * second;
+        const double b = step(cell, axis, -1);
+        along = (corner.pixel - *before) / b + 0.5 * b * second;
       }
       const double length = along.norm();
       double& reach = found->reach[axis];

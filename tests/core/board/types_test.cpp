@@ -23,6 +23,13 @@ Board charuco(int columns, int rows) {
   return board;
 }
 
+Board aprilgrid(int columns, int rows) {
+  Board board = checkerboard(columns, rows);
+  board.type = find_board_type("aprilgrid");
+  board.spacing = 0.3;
+  return board;
+}
+
 TEST(BoardTypes, AreFoundByName) {
   for (const BoardType* type : board_types()) EXPECT_EQ(find_board_type(type->name()), type);
   EXPECT_EQ(find_board_type("chequerboard"), nullptr);
@@ -36,6 +43,7 @@ TEST(BoardTypes, KeepTheirPromises) {
       SCOPED_TRACE(std::string(type->name()) + " " + std::to_string(columns) + " x " + std::to_string(rows));
       Board board = charuco(columns, rows);
       board.type = type;
+      board.spacing = 0.3;
       ASSERT_TRUE(type->invalid(board).empty()) << type->invalid(board).front();
       const Eigen::Vector2d size = type->pattern_size(board);
       Eigen::Vector2d centre = Eigen::Vector2d::Zero();
@@ -100,25 +108,64 @@ TEST(Charuco, SaysWhatIsWrong) {
 }
 
 /// `black` is the very board that the library reads: a drawing of it is detected with every id in place.
+void expect_drawing_is_read(const Board& board, double pixels_per_square) {
+  const double scale = pixels_per_square / board.square;  // px/m
+  const Eigen::Vector2d size = board.type->pattern_size(board) * scale + Eigen::Vector2d::Constant(120);
+  Image image{static_cast<int>(size.x()), static_cast<int>(size.y()), 1, 8, {}};
+  const Eigen::Vector2d middle(0.5 * (image.width - 1), 0.5 * (image.height - 1));
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      image.bytes.push_back(board.type->black(board, (Eigen::Vector2d(x, y) - middle) / scale) ? 0 : 255);
+    }
+  }
+  const auto corners = board.type->corners(board);
+  const auto found = board.type->find(board, image);
+  ASSERT_EQ(found.size(), corners.size());
+  for (const Corner& corner : found) {
+    EXPECT_LT((corner.pixel - (middle + corners[static_cast<std::size_t>(corner.id)] * scale)).norm(), 0.75);
+  }
+}
+
 TEST(Charuco, DrawsWhatTheDetectorReads) {
   for (const auto& [columns, rows] : {std::pair(8, 6), std::pair(7, 5), std::pair(5, 8)}) {
     const Board board = charuco(columns, rows);
     if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
-    const double scale = 60 / board.square;  // px/m
-    Image image{60 * columns + 120, 60 * rows + 120, 1, 8, {}};
-    const Eigen::Vector2d middle(0.5 * (image.width - 1), 0.5 * (image.height - 1));
-    for (int y = 0; y < image.height; ++y) {
-      for (int x = 0; x < image.width; ++x) {
-        image.bytes.push_back(board.type->black(board, (Eigen::Vector2d(x, y) - middle) / scale) ? 0 : 255);
-      }
-    }
-    const auto corners = board.type->corners(board);
-    const auto found = board.type->find(board, image);
-    ASSERT_EQ(found.size(), corners.size());
-    for (const Corner& corner : found) {
-      EXPECT_LT((corner.pixel - (middle + corners[static_cast<std::size_t>(corner.id)] * scale)).norm(), 0.5);
+    expect_drawing_is_read(board, 60);
+  }
+}
+
+TEST(Aprilgrid, DrawsWhatTheDetectorReads) {
+  for (const auto& [columns, rows] : {std::pair(6, 6), std::pair(5, 4), std::pair(4, 7)}) {
+    expect_drawing_is_read(aprilgrid(columns, rows), 80);
+  }
+}
+
+/// Kalibr's numbering: ids from the bottom left. Its first tag's print, from tag36h11's published picture
+/// 00000
+/// ("d5d628584", most significant bit first, row by row).
+TEST(Aprilgrid, FirstTagIsAtTheBottomLeft) {
+  const Board board = aprilgrid(3, 2);
+  const Eigen::Vector2d bottom_left =
+      Eigen::Vector2d(-1, 1).cwiseProduct(board.type->pattern_size(board)) / 2;
+  constexpr std::uint64_t code = 0xd5d628584;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) {
+      const Eigen::Vector2d from_top_left_of_tag((column + 2.5) / 10, (row + 2.5) / 10);
+      const Eigen::Vector2d top_left = bottom_left + Eigen::Vector2d(0.3, -1.3) * board.square;
+      const bool white = (code >> (35 - 6 * row - column)) & 1;
+      EXPECT_EQ(board.type->black(board, top_left + from_top_left_of_tag * board.square), !white)
+          << row << column;
     }
   }
+}
+
+TEST(Aprilgrid, SaysWhatIsWrong) {
+  Board board = aprilgrid(30, 20);  // 600 tags of 587
+  EXPECT_EQ(board.type->invalid(board).size(), 1u);
+  board = aprilgrid(6, 6);
+  board.spacing = 0;
+  EXPECT_EQ(board.type->invalid(board).size(), 1u);
+  EXPECT_EQ(aprilgrid(1, 1).type->invalid(aprilgrid(1, 1)).size(), 1u);
 }
 
 TEST(Board, ExtentIsTheOutlineOrThePattern) {
