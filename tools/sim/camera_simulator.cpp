@@ -5,9 +5,7 @@
 #include <cstring>
 
 namespace ca2 {
-namespace {
 
-/// Gaussian blur of `sigma` px along rows and columns, the rim repeated.
 void blur_picture(std::vector<float>& pixels, int width, int height, double sigma) {
   if (sigma <= 0) return;
   const int reach = std::max(1, static_cast<int>(std::ceil(3.5 * sigma)));
@@ -41,19 +39,20 @@ void blur_picture(std::vector<float>& pixels, int width, int height, double sigm
   }
 }
 
-Image expose(const std::vector<float>& radiance, const SimulatedCamera& camera, std::mt19937_64& rng) {
+Image expose(const std::vector<float>& radiance, const SimulatedCamera& camera,
+             const std::function<float()>& noise) {
   const auto& [width, height] = std::pair(camera.camera.width, camera.camera.height);
   Image image{width, height, 1, camera.noise.bits, {}};
   image.bytes.resize(radiance.size() * image.bytes_per_pixel());
   const double half_diagonal_squared = 0.25 * (static_cast<double>(width) * width + height * height);
   const float full = image.bits == 8 ? 255.0f : 65535.0f;
-  std::normal_distribution<float> noise(0, static_cast<float>(camera.noise.sigma));
+  const auto sigma = static_cast<float>(camera.noise.sigma);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       const double dx = x - (width - 1) / 2.0, dy = y - (height - 1) / 2.0;
       const double falloff = 1 - camera.noise.vignetting * (dx * dx + dy * dy) / half_diagonal_squared;
-      const float value = radiance[i] * static_cast<float>(falloff) + noise(rng);
+      const float value = radiance[i] * static_cast<float>(falloff) + sigma * noise();
       const auto level = static_cast<std::uint16_t>(std::lround(full * std::clamp(value, 0.0f, 1.0f)));
       if (image.bits == 8) {
         image.bytes[i] = static_cast<std::uint8_t>(level);
@@ -65,8 +64,6 @@ Image expose(const std::vector<float>& radiance, const SimulatedCamera& camera, 
   return image;
 }
 
-}  // namespace
-
 Image render_picture(const SimulatedCamera& camera, const RayGrid& rays, const Scene& scene,
                      std::mt19937_64& rng) {
   UnprintedPicture picture = render_unprinted(rays, camera.T_rig_camera, scene);
@@ -77,7 +74,8 @@ Image render_picture(const SimulatedCamera& camera, const RayGrid& rays, const S
     subtract_print(rays, camera.T_rig_camera.inverse() * solid.T_rig_solid, solid, camera.noise.blur,
                    picture.plate_light, picture.radiance);
   }
-  return expose(picture.radiance, camera, rng);
+  std::normal_distribution<float> normal;
+  return expose(picture.radiance, camera, [&] { return normal(rng); });
 }
 
 }  // namespace ca2

@@ -1,6 +1,7 @@
 /// @file What a camera sees of a scene.
 #pragma once
 
+#include <functional>
 #include <random>
 #include <vector>
 
@@ -24,8 +25,25 @@ struct UnprintedPicture {
   std::vector<float> plate_light;  ///< light on the printed plate times the share of the pixel it fills
 };
 
+/// Pixels with x0 <= x < x1 and y0 <= y < y1.
+struct PixelRegion {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+};
+
 /// Point samples inside surfaces, 4 x 4 samples where silhouettes and edges pass.
 UnprintedPicture render_unprinted(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene);
+/// Renders a region of the picture anew; what is on its rim must not have changed.
+void render_unprinted(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene,
+                      const PixelRegion& region, UnprintedPicture& picture);
+
+/// Gaussian blur of `sigma` px along rows and columns, the rim repeated.
+void blur_picture(std::vector<float>& pixels, int width, int height, double sigma);
+
+/// Vignetting, noise and quantisation. `noise` gives draws of the normal distribution.
+Image expose(const std::vector<float>& radiance, const SimulatedCamera& camera,
+             const std::function<float()>& noise);
 
 /// Adds the print: what its ink takes away from the radiance of the paper, blurred exactly.
 void subtract_print(const RayGrid& rays, const Pose& T_camera_plate, const Solid& plate, double blur,

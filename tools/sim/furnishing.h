@@ -24,6 +24,9 @@ int add_panel(Scene& scene, const Board& board, const Pose& T_rig_panel, std::mt
 void add_holder(Scene& scene, const Room& room, const Plate& plate, const Pose& T_rig_plate,
                 std::mt19937_64& rng);
 
+/// A person with empty hands at a place on the floor (rig frame), turned to the rig.
+void add_walker(Scene& scene, const Room& room, const Eigen::Vector2d& place, std::mt19937_64& rng);
+
 /// A person who only stands there, out of the line of sight to `p_kept_clear` (rig frame).
 void add_bystander(Scene& scene, const Room& room, const Eigen::Vector3d& p_kept_clear, std::mt19937_64& rng);
 

@@ -118,15 +118,8 @@ void add_holder(Scene& scene, const Room& room, const Plate& plate, const Pose& 
   }
 }
 
-void add_bystander(Scene& scene, const Room& room, const Eigen::Vector3d& p_kept_clear,
-                   std::mt19937_64& rng) {
-  const double clear = std::atan2(p_kept_clear.y(), p_kept_clear.x());
-  // At least 35 degrees beside the line of sight, 1.5 m or more away and off the walls.
-  const double angle = clear + std::uniform_real_distribution<double>(0.6, 2 * std::numbers::pi - 0.6)(rng);
-  const double reach = std::min(room.length, room.width) / 2 - 0.6;
-  const double distance = std::uniform_real_distribution<double>(std::min(1.5, reach), reach)(rng);
-  const Pose T_rig_body =
-      body_at(distance * Eigen::Vector2d(std::cos(angle), std::sin(angle)), -room.rig_height + 1.45);
+void add_walker(Scene& scene, const Room& room, const Eigen::Vector2d& place, std::mt19937_64& rng) {
+  const Pose T_rig_body = body_at(place, -room.rig_height + 1.45);
   const Clothes clothes = draw_clothes(rng);
   add_body(scene, T_rig_body, -room.rig_height, clothes);
   for (const double side : {-1.0, 1.0}) {
@@ -137,6 +130,16 @@ void add_bystander(Scene& scene, const Room& room, const Eigen::Vector3d& p_kept
     add_limb(scene, elbow, wrist, 0.038, clothes.shirt);
     add_ellipsoid(scene, {T_rig_body.R, wrist}, {0.05, 0.035, 0.07}, clothes.skin);
   }
+}
+
+void add_bystander(Scene& scene, const Room& room, const Eigen::Vector3d& p_kept_clear,
+                   std::mt19937_64& rng) {
+  const double clear = std::atan2(p_kept_clear.y(), p_kept_clear.x());
+  // At least 35 degrees beside the line of sight, 1.5 m or more away and off the walls.
+  const double angle = clear + std::uniform_real_distribution<double>(0.6, 2 * std::numbers::pi - 0.6)(rng);
+  const double reach = std::min(room.length, room.width) / 2 - 0.6;
+  const double distance = std::uniform_real_distribution<double>(std::min(1.5, reach), reach)(rng);
+  add_walker(scene, room, distance * Eigen::Vector2d(std::cos(angle), std::sin(angle)), rng);
 }
 
 }  // namespace ca2

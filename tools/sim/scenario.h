@@ -69,6 +69,18 @@ struct Room {
   double hand_cover = 0.02;                   ///< m of the plate's rim that the hands cover
 };
 
+/// How the board is carried from hold to hold in a recording.
+struct Carrying {
+  double min_hold = 0.8, max_hold = 1.6;  ///< s
+  double min_move = 0.7, max_move = 1.5;  ///< s, from one place to the next
+  double away = 0.2;                      ///< share of the holds before which the person walks out of view
+  double tremor = 0.0003;    ///< m rms, of hands at 6 to 11 Hz; angles: the same at the board's rim
+  double drift = 0.0006;     ///< m rms, of arms below 1 Hz
+  double camera_rate = 15;   ///< pictures per second
+  double lost_pictures = 0;  ///< share of them that never arrive
+  double clock_offset = 0;   ///< s: the pictures' stamps are late by so much
+};
+
 /// What makes a view lie, so that consensus has something to do.
 enum class WrongObject {
   none,
@@ -83,6 +95,7 @@ struct Scenario {
   std::map<std::string, SimulatedCamera> cameras;
   std::map<std::string, SimulatedLidar> lidars;
   Placement placement;
+  Carrying carrying;
   std::optional<Room> room;  ///< absent: the board may be anywhere, and no pictures can be rendered
   WrongObject wrong_object = WrongObject::moved;
   double wrong_fraction = 0;  ///< of the views

@@ -14,7 +14,8 @@
 namespace ca2 {
 namespace {
 
-constexpr std::array<std::string_view, 5> scenario_keys{"truth", "views", "scene", "noise", "seed"};
+constexpr std::array<std::string_view, 6> scenario_keys{"truth", "views",     "scene",
+                                                        "noise", "recording", "seed"};
 
 /// A key that holds one number, its bounds, and where it goes.
 struct NumberKey {
@@ -33,6 +34,7 @@ class ScenarioParser {
     views(root.find("views"));
     scene(root.find("scene"));
     noise(root.find("noise"));
+    carrying(root.find("recording"));
     if (const auto seed = reader_.integer(root.find("seed"), 0, std::numeric_limits<long long>::max())) {
       scenario().seed = static_cast<std::uint64_t>(*seed);
     }
@@ -166,6 +168,23 @@ class ScenarioParser {
         placement.groups.push_back(std::move(names));
       }
     }
+  }
+
+  void carrying(const YamlNode* node) {
+    Carrying& carrying = scenario().carrying;
+    if (!number_map(node, "recording",
+                    {{"away", 0, 1, &carrying.away},
+                     {"tremor", 0, 0.1, &carrying.tremor},
+                     {"drift", 0, 0.1, &carrying.drift},
+                     {"camera_rate", 1, 200, &carrying.camera_rate},
+                     {"lost_pictures", 0, 0.9, &carrying.lost_pictures},
+                     {"clock_offset", -1, 1, &carrying.clock_offset}},
+                    {"hold", "move"})) {
+      return;
+    }
+    constexpr double longest = 60;  // s
+    interval(*node, "hold", longest, carrying.min_hold, carrying.max_hold);
+    interval(*node, "move", longest, carrying.min_move, carrying.max_move);
   }
 
   void scene(const YamlNode* node) {

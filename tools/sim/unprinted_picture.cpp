@@ -17,21 +17,16 @@ struct Sample {
 
 class UnprintedRenderer {
  public:
-  UnprintedRenderer(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene)
-      : rays_(rays), T_rig_camera_(T_rig_camera), scene_(scene) {
-    picture_.width = rays.camera().width;
-    picture_.height = rays.camera().height;
-    const auto pixels = static_cast<std::size_t>(picture_.width) * static_cast<std::size_t>(picture_.height);
-    picture_.radiance.resize(pixels);
-    picture_.plate_light.resize(pixels);
-    surfaces_.resize(pixels);
+  UnprintedRenderer(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene,
+                    const PixelRegion& region, UnprintedPicture& picture)
+      : rays_(rays), T_rig_camera_(T_rig_camera), scene_(scene), region_(region), picture_(picture) {
+    surfaces_.resize(static_cast<std::size_t>(region.width()) * static_cast<std::size_t>(region.height()));
   }
 
-  UnprintedPicture run() {
+  void run() {
     cast_nodes();
     shade_pixels();
     smooth_edges();
-    return std::move(picture_);
   }
 
  private:
@@ -39,14 +34,16 @@ class UnprintedRenderer {
 
   /// What lies at the corners of every cell: few solids per cell remain to be cast at.
   void cast_nodes() {
-    columns_ = (picture_.width - 1) / cell + 2;
-    rows_ = (picture_.height - 1) / cell + 2;
+    // With a cell more on every side, as gather_solids looks there.
+    first_column_ = std::max(0, region_.x0 / cell - 1);
+    first_row_ = std::max(0, region_.y0 / cell - 1);
+    columns_ = std::min((region_.x1 - 1) / cell + 3, (picture_.width - 1) / cell + 2) - first_column_;
+    rows_ = std::min((region_.y1 - 1) / cell + 3, (picture_.height - 1) / cell + 2) - first_row_;
     nodes_.resize(static_cast<std::size_t>(columns_) * rows_);
-    std::vector<Eigen::Vector3d> directions;
     for (int j = 0; j < rows_; ++j) {
       for (int i = 0; i < columns_; ++i) {
-        const Eigen::Vector3d d =
-            rays_.direction(std::min(cell * i, picture_.width - 1), std::min(cell * j, picture_.height - 1));
+        const Eigen::Vector3d d = rays_.direction(std::min(cell * (first_column_ + i), picture_.width - 1),
+                                                  std::min(cell * (first_row_ + j), picture_.height - 1));
         const SolidHit hit = std::isnan(d.x()) ? SolidHit{} : scene_.cast(T_rig_camera_.t, rig_direction(d));
         nodes_[static_cast<std::size_t>(j) * columns_ + i] = hit.surface();
       }
@@ -56,7 +53,7 @@ class UnprintedRenderer {
   /// Surfaces at the corners of the cells round a pixel, without repeats; from one cell further away where
   /// they differ, as a thin solid may pass between.
   void gather_solids(int x, int y, std::vector<int>& solids) const {
-    const int i = x / cell, j = y / cell;
+    const int i = x / cell - first_column_, j = y / cell - first_row_;
     const auto node = [&](int a, int b) {
       return nodes_[static_cast<std::size_t>(std::clamp(b, 0, rows_ - 1)) * columns_ +
                     std::clamp(a, 0, columns_ - 1)];
@@ -91,26 +88,39 @@ class UnprintedRenderer {
   void shade_pixels() {
     std::vector<Eigen::Vector3d> directions;
     std::vector<int> solids;
-    for (int y = 0; y < picture_.height; ++y) {
-      rays_.row(0, picture_.width, y, directions);
-      for (int x = 0; x < picture_.width; ++x) {
-        if (x % cell == 0) gather_solids(x, y, solids);
-        store(x, y, sample(directions[static_cast<std::size_t>(x)], solids));
+    for (int y = region_.y0; y < region_.y1; ++y) {
+      rays_.row(region_.x0, region_.width(), y, directions);
+      for (int x = region_.x0; x < region_.x1; ++x) {
+        if (x % cell == 0 || x == region_.x0) gather_solids(x, y, solids);
+        store(x, y, sample(directions[static_cast<std::size_t>(x - region_.x0)], solids));
       }
     }
   }
 
   void store(int x, int y, const Sample& sample) {
+    surfaces_[surface_index(x, y)] = sample.surface;
+    if (!inner(x, y)) return;
     const std::size_t i = static_cast<std::size_t>(y) * picture_.width + x;
     picture_.radiance[i] = sample.radiance;
     picture_.plate_light[i] = sample.plate_light;
-    surfaces_[i] = sample.surface;
+  }
+
+  std::size_t surface_index(int x, int y) const {
+    return static_cast<std::size_t>(y - region_.y0) * static_cast<std::size_t>(region_.width()) +
+           static_cast<std::size_t>(x - region_.x0);
+  }
+
+  /// Pixels on the region's rim do not know their neighbours beyond: they stay what they were.
+  bool inner(int x, int y) const {
+    return (x > region_.x0 || x == 0) && (y > region_.y0 || y == 0) &&
+           (x < region_.x1 - 1 || x == picture_.width - 1) &&
+           (y < region_.y1 - 1 || y == picture_.height - 1);
   }
 
   bool at_edge(int x, int y) const {
     const auto surface = [&](int a, int b) {
-      return surfaces_[static_cast<std::size_t>(std::clamp(b, 0, picture_.height - 1)) * picture_.width +
-                       std::clamp(a, 0, picture_.width - 1)];
+      return surfaces_[surface_index(std::clamp(a, region_.x0, region_.x1 - 1),
+                                     std::clamp(b, region_.y0, region_.y1 - 1))];
     };
     const int own = surface(x, y);
     return own != surface(x - 1, y) || own != surface(x + 1, y) || own != surface(x, y - 1) ||
@@ -120,15 +130,14 @@ class UnprintedRenderer {
   /// Pixels beside another surface become the mean of a grid of samples over their square.
   void smooth_edges() {
     std::vector<int> solids;
-    for (int y = 0; y < picture_.height; ++y) {
-      for (int x = 0; x < picture_.width; ++x) {
-        if (!at_edge(x, y)) continue;
+    for (int y = region_.y0; y < region_.y1; ++y) {
+      for (int x = region_.x0; x < region_.x1; ++x) {
+        if (!inner(x, y) || !at_edge(x, y)) continue;
         gather_solids(x, y, solids);
         // Neighbours may belong to the next cell.
         for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-          const int nx = std::clamp(x + dx, 0, picture_.width - 1);
-          const int ny = std::clamp(y + dy, 0, picture_.height - 1);
-          const int surface = surfaces_[static_cast<std::size_t>(ny) * picture_.width + nx];
+          const int surface = surfaces_[surface_index(std::clamp(x + dx, region_.x0, region_.x1 - 1),
+                                                      std::clamp(y + dy, region_.y0, region_.y1 - 1))];
           if (surface >= 0 && std::find(solids.begin(), solids.end(), surface / 6) == solids.end()) {
             solids.push_back(surface / 6);
           }
@@ -150,16 +159,30 @@ class UnprintedRenderer {
   const RayGrid& rays_;
   const Pose& T_rig_camera_;
   const Scene& scene_;
-  UnprintedPicture picture_;
-  std::vector<int> surfaces_;
+  const PixelRegion& region_;
+  UnprintedPicture& picture_;
+  std::vector<int> surfaces_;  ///< of the region's pixels
   std::vector<int> nodes_;
-  int columns_ = 0, rows_ = 0;
+  int first_column_ = 0, first_row_ = 0, columns_ = 0, rows_ = 0;
 };
 
 }  // namespace
 
+void render_unprinted(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene,
+                      const PixelRegion& region, UnprintedPicture& picture) {
+  if (region.width() <= 0 || region.height() <= 0) return;
+  UnprintedRenderer(rays, T_rig_camera, scene, region, picture).run();
+}
+
 UnprintedPicture render_unprinted(const RayGrid& rays, const Pose& T_rig_camera, const Scene& scene) {
-  return UnprintedRenderer(rays, T_rig_camera, scene).run();
+  UnprintedPicture picture;
+  picture.width = rays.camera().width;
+  picture.height = rays.camera().height;
+  const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
+  picture.radiance.resize(pixels);
+  picture.plate_light.resize(pixels);
+  render_unprinted(rays, T_rig_camera, scene, {0, 0, picture.width, picture.height}, picture);
+  return picture;
 }
 
 }  // namespace ca2
