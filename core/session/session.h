@@ -55,4 +55,7 @@ Result<SessionView> write_view(const std::filesystem::path& session, int id,
                                const std::map<std::string, Image>& images,
                                const std::map<std::string, Scan>& scans, const std::string& details = {});
 
+/// Takes a view out of the session, whole or not at all: it is renamed to a hidden name before it is deleted.
+Result<void> remove_view(const SessionView& view);
+
 }  // namespace ca2

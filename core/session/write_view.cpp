@@ -110,4 +110,16 @@ Result<SessionView> write_view(const fs::path& session, int id, const std::map<s
   return list_view(directory, id, cameras, lidars, ignored);
 }
 
+Result<void> remove_view(const SessionView& view) {
+  const fs::path views = view.directory.parent_path();
+  const HiddenDirectory hidden(views / ("." + view.directory.filename().string() + ".dropped"));
+  std::error_code error;
+  fs::remove_all(hidden.path(), error);  // what a crash left behind
+  fs::rename(view.directory, hidden.path(), error);
+  if (error) {
+    return fail(ErrorCode::io, view.directory.string(), "cannot be taken out: " + error.message());
+  }
+  return sync_directory(views);
+}
+
 }  // namespace ca2

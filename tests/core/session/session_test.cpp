@@ -165,5 +165,18 @@ TEST(Session, ARigThatCouldNotBeReadAgainIsNotWritten) {
   EXPECT_FALSE(fs::exists(directory / "s"));
 }
 
+TEST(Session, AViewIsTakenOutWhole) {
+  const test::TemporaryDirectory directory;
+  ASSERT_TRUE(create_session(directory.path(), test_rig()));
+  ASSERT_TRUE(write_view(directory.path(), 1, {{"left", small_image()}}, {{"top", small_scan()}}));
+  const auto second = write_view(directory.path(), 2, {{"left", small_image()}}, {{"top", small_scan()}});
+  ASSERT_TRUE(second);
+  ASSERT_TRUE(remove_view(*second));
+  EXPECT_EQ(open_session(directory.path())->views.size(), 1u);
+  // Not even a hidden trace.
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory / "views"), fs::directory_iterator()), 1);
+  EXPECT_EQ(remove_view(*second).error().code, ErrorCode::io);
+}
+
 }  // namespace
 }  // namespace ca2
