@@ -6,7 +6,8 @@
 
 #include "core/capture/gates.h"
 #include "core/capture/held_view.h"
-#include "core/capture/view_builder.h"
+#include "core/capture/next_view.h"
+#include "core/capture/stored_form.h"
 #include "core/features/lidar_sights.h"
 #include "core/types/text.h"
 
@@ -52,6 +53,7 @@ struct CapturePipeline::State {
   Assessment assessment;
   std::int64_t now = std::numeric_limits<std::int64_t>::min();
   std::string last_event;
+  std::optional<NextPose> next;
 
   State(Rig rig_in, CaptureOptions options_in, std::vector<ViewSights> views_in)
       : rig(std::move(rig_in)), options(options_in), views(std::move(views_in)), extrinsics(rig) {
@@ -77,13 +79,15 @@ struct CapturePipeline::State {
 
   void say(CaptureActions& actions, std::int64_t time, const char* kind, std::string text) {
     last_event = text;
-    actions.push_back(CaptureEvent{time, kind, std::move(text)});
+    actions.emplace_back(CaptureEvent{time, kind, std::move(text)});
   }
+
+  void guide() { next = next_view({rig, tracks, options}, calibration, views); }
 
   void request_solve(CaptureActions& actions) {
     if (views.size() < fewest_views) return;
-    actions.push_back(SolveViews{++solves, std::make_shared<const Rig>(rig),
-                                 std::make_shared<const std::vector<ViewSights>>(views)});
+    actions.emplace_back(SolveViews{++solves, std::make_shared<const Rig>(rig),
+                                    std::make_shared<const std::vector<ViewSights>>(views)});
   }
 
   /// Everything that a new observation or the time may change.
@@ -132,33 +136,8 @@ struct CapturePipeline::State {
     pose.id = next_id;
     known.add(std::move(pose));
     writing = next_id;
-    actions.push_back(store(view, next_id++, !manual));
+    actions.emplace_back(stored_form(view, tracks, picks, next_id++, !manual));
     picks.clear();
-  }
-
-  StoreView store(const HeldView& view, int id, bool automatic) const {
-    StoreView action;
-    action.id = id;
-    ViewDetails details;
-    details.automatic = automatic;
-    details.gates = view.gates;
-    for (const auto& [c, camera] : view.cameras) {
-      const std::string& name = tracks.camera_names[c];
-      action.images[name] = mean_image(camera.pictures);
-      details.pictures[name] = camera.pictures.size();
-      details.corners[name] = camera.corners.size();
-      for (const CameraObservation* picture : camera.pictures) details.stamps[name].push_back(picture->time);
-    }
-    for (const auto& [l, lidar] : view.lidars) {
-      const std::string& name = tracks.lidar_names[l];
-      action.scans[name] = gathered_scan(lidar.scans);
-      details.scans[name] = lidar.scans.size();
-      for (const LidarObservation* scan : lidar.scans) details.stamps[name].push_back(scan->time);
-      if (const auto pick = picks.find(static_cast<int>(l)); pick != picks.end())
-        details.picks[name] = pick->second;
-    }
-    action.details = details_text(details);
-    return action;
   }
 
   /// The newest picture and scan that show the board, moving or not.
@@ -359,12 +338,13 @@ CaptureActions CapturePipeline::drop(std::int64_t time, int id) {
     return actions;
   }
   state_->known.remove(id);
-  actions.push_back(DropView{id});
+  actions.emplace_back(DropView{id});
   state_->say(actions, time, "dropped", formatted("view %d is dropped", id));
   if (state_->views.size() < fewest_views) {
     state_->calibration.reset();
     state_->verdict.clear();
   }
+  state_->guide();
   state_->request_solve(actions);
   return actions;
 }
@@ -392,11 +372,12 @@ CaptureActions CapturePipeline::stored(std::int64_t time, int id, Result<ViewSig
   if (const std::string refusal = judge_stored(state_->rig, *answer); !refusal.empty()) {
     state_->known.remove(id);
     state_->hold.reason = refusal;
-    actions.push_back(DropView{id});
+    actions.emplace_back(DropView{id});
     state_->say(actions, time, "rejected", refusal);
     return actions;
   }
   state_->views.push_back(std::move(*answer));
+  state_->guide();
   state_->say(actions, time, "captured", formatted("view %d is stored", id));
   state_->request_solve(actions);
   return actions;
@@ -415,6 +396,7 @@ CaptureActions CapturePipeline::solved(std::int64_t time, std::uint64_t number,
   state_->calibration = *answer;
   state_->verdict = answer->observability.verdict;
   state_->extrinsics.update(*answer);
+  state_->guide();
   state_->say(
       actions, time, "solved",
       formatted("%d of %zu views: sigma %.2f mm, %.2f mrad, %s", state_->used_views(), state_->views.size(),
@@ -440,6 +422,7 @@ CaptureStatus CapturePipeline::status(std::int64_t now) const {
   status.target_translation = s.options.target_sigma_translation;
   status.target_rotation = s.options.target_sigma_rotation;
   status.verdict = s.verdict;
+  status.next = s.next;
   return status;
 }
 

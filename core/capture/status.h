@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/pose.h"
+#include "core/guidance/next_pose.h"
 
 namespace ca2 {
 
@@ -30,15 +30,6 @@ struct SensorStatus {
   std::uint64_t shed = 0;    ///< not searched for want of time
   double motion = 0;         ///< camera: px; LiDAR: m, over the stillness window; NaN: not known
   double motion_limit = 0;   ///< in the same unit
-};
-
-/// The pose that would teach the most, in words and numbers.
-struct NextPose {
-  std::string words;   ///< "left, 2.5 m away, top tilted back by 30 degrees"
-  std::string camera;  ///< the pose is in this camera's frame
-  Pose T_camera_board;
-  double sigma_translation = 0;  ///< m, expected after it
-  double sigma_rotation = 0;     ///< rad
 };
 
 struct CaptureStatus {

@@ -1,0 +1,33 @@
+#include "core/capture/stored_form.h"
+
+#include "core/capture/view_builder.h"
+
+namespace ca2 {
+
+StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map<int, Pick>& picks, int id,
+                      bool automatic) {
+  StoreView action;
+  action.id = id;
+  ViewDetails details;
+  details.automatic = automatic;
+  details.gates = view.gates;
+  for (const auto& [c, camera] : view.cameras) {
+    const std::string& name = tracks.camera_names[c];
+    action.images[name] = mean_image(camera.pictures);
+    details.pictures[name] = camera.pictures.size();
+    details.corners[name] = camera.corners.size();
+    for (const CameraObservation* picture : camera.pictures) details.stamps[name].push_back(picture->time);
+  }
+  for (const auto& [l, lidar] : view.lidars) {
+    const std::string& name = tracks.lidar_names[l];
+    action.scans[name] = gathered_scan(lidar.scans);
+    details.scans[name] = lidar.scans.size();
+    for (const LidarObservation* scan : lidar.scans) details.stamps[name].push_back(scan->time);
+    if (const auto pick = picks.find(static_cast<int>(l)); pick != picks.end())
+      details.picks[name] = pick->second;
+  }
+  action.details = details_text(details);
+  return action;
+}
+
+}  // namespace ca2

@@ -1,0 +1,16 @@
+/// @file From what was held to what is written.
+#pragma once
+
+#include <map>
+
+#include "core/capture/assess.h"
+#include "core/capture/held_view.h"
+#include "core/capture/pipeline.h"
+
+namespace ca2 {
+
+/// Mean pictures, gathered returns and the text of view.yaml. `picks`: by LiDAR.
+StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map<int, Pick>& picks, int id,
+                      bool automatic);
+
+}  // namespace ca2
