@@ -13,6 +13,7 @@ packages=(
   libaravis-dev
   libssl-dev
   libapriltag-dev
+  libqhull-dev
   liblcm-dev liblcm-bin libsodium-dev
   # tests
   libgtest-dev

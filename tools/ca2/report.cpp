@@ -1,97 +1,116 @@
-/// @file `ca2 report`: a solved session as a page to look at.
+/// `ca2 report`: a session as a page to look at, whatever state it is in.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "core/io/files.h"
-#include "core/io/jpeg.h"
 #include "core/report/html_report.h"
-#include "core/report/overlay.h"
-#include "core/session/session.h"
+#include "core/solve/calibrate.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/progress.h"
+#include "tools/ca2/provenance.h"
+#include "tools/ca2/report_pictures.h"
 
 namespace ca2 {
 namespace {
 
-/// Larger sessions show this many views, evenly chosen, so that the page stays a page.
-constexpr int max_views_shown = 12;
+namespace fs = std::filesystem;
 
-const CalibratedTransform* find_transform(const Calibration& calibration, const std::string& camera,
-                                          const std::string& lidar) {
-  for (const CalibratedTransform& transform : calibration.transforms) {
-    if (transform.parent == camera && transform.child == lidar) return &transform;
-  }
-  return nullptr;
+void tell_missing(ReportInput& input, const Error& error) {
+  for (const Problem& problem : error.problems) input.missing.push_back(Error(error.code, {problem}).text());
 }
 
-/// Views to show: used ones before rejected ones, evenly over the session.
-std::vector<const SessionView*> choose_views(const Session& session, const Calibration& calibration) {
-  std::vector<const SessionView*> used;
-  for (const SessionView& view : session.views) {
-    for (const CalibratedView& outcome : calibration.views) {
-      if (outcome.id == view.id && outcome.used) used.push_back(&view);
+/// What an unsolved session lacks: nothing but the command, or what the command would say.
+void say_what_solve_would(ReportInput& input, const Extraction& features, const std::string& directory) {
+  CalibrateOptions options;
+  options.estimated = features.estimated;
+  if (const Result<Calibration> answer = calibrate(features.rig, features.views, options); !answer) {
+    tell_missing(input, answer.error());
+  } else {
+    input.missing.push_back("The views determine an answer: run `ca2 solve " + directory + "`.");
+  }
+}
+
+/// The page's content. `failure` is of a result that cannot be read.
+void fill(ReportInput& input, ReportPictures& pictures, std::optional<Error>& failure,
+          const std::string& directory) {
+  const Session& session = *input.session;
+  input.problems = session.warnings;
+  for (const ProvenanceEntry& entry : provenance(session))
+    input.provenance.emplace_back(entry.subject, entry.value);
+  if (const fs::path file = session.directory / "result.yaml"; fs::exists(file)) {
+    const Result<Calibration> calibration = read_calibration(file);
+    if (calibration) {
+      input.calibration = *calibration;
+    } else {
+      failure = calibration.error();
+      tell_missing(input, *failure);
     }
   }
-  std::vector<const SessionView*> chosen;
-  const std::size_t count = std::min<std::size_t>(used.size(), max_views_shown);
-  for (std::size_t i = 0; i < count; ++i) chosen.push_back(used[i * used.size() / count]);
-  return chosen;
+  if (session.views.empty()) {
+    input.missing.push_back(
+        "There are no views yet: capture some, or copy pairs of pictures and clouds to views/000001 "
+        "and so on.");
+    return;
+  }
+  Progress searching("finding the board");
+  ExtractOptions options;
+  options.progress = [&](int done, int total) { searching.show(done, total); };
+  const Result<Extraction> features = extract_features(session, options);
+  if (!features) {
+    tell_missing(input, features.error());
+  } else {
+    input.problems.insert(input.problems.end(), features->problems.begin(), features->problems.end());
+    if (input.calibration) {
+      input.evidence = gather_evidence(*features, *input.calibration);
+    } else {
+      say_what_solve_would(input, *features, directory);
+    }
+  }
+  if (!input.calibration) return;
+  Progress drawing("drawing");
+  pictures = draw_pictures(session, *input.calibration, input.evidence ? &*input.evidence : nullptr,
+                           [&](int done, int total) { drawing.show(done, total); });
+  input.pictures = std::move(pictures.pictures);
+  input.cloud = std::move(pictures.cloud);
+  input.problems.insert(input.problems.end(), pictures.problems.begin(), pictures.problems.end());
 }
 
 Result<int> report(const std::string& directory) {
-  const Result<Session> session = open_session(directory);
-  if (!session) return fail(session.error());
-  const std::filesystem::path result_file = session->directory / "result.yaml";
-  if (!std::filesystem::exists(result_file)) {
-    return fail(ErrorCode::data, result_file.string(), "the session has no result yet",
-                "run `ca2 solve " + directory + "` first");
-  }
-  const Result<Calibration> calibration = read_calibration(result_file);
-  if (!calibration) return fail(calibration.error());
-
-  const std::filesystem::path folder = session->directory / "report";
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) return fail(ErrorCode::cannot_create, folder.string(), error.message());
-
+  const fs::path folder = fs::path(directory) / "report";
   ReportInput input;
-  input.title = "Calibration of " + std::filesystem::weakly_canonical(session->directory).filename().string();
-  input.calibration = *calibration;
-  const std::vector<const SessionView*> views = choose_views(*session, *calibration);
-  Progress progress("drawing");
-  bool picture_written = false;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    for (const auto& [camera, image_file] : views[i]->images) {
-      const auto model = calibration->cameras.find(camera);
-      const Result<Image> image = read_png(image_file);
-      for (const auto& [lidar, cloud_file] : views[i]->clouds) {
-        const CalibratedTransform* transform = find_transform(*calibration, camera, lidar);
-        if (!transform || model == calibration->cameras.end()) continue;
-        const Result<Scan> scan = read_pcd(cloud_file);
-        if (!image || !scan) {
-          for (const Problem& problem : (image ? scan.error() : image.error()).problems)
-            input.problems.push_back(problem);
-          continue;
-        }
-        const Overlay overlay = draw_overlay(*image, model->second.camera, *scan, transform->T_parent_child);
-        const Result<std::string> jpeg = encode_jpeg(overlay.image, 82);
-        if (!jpeg) return fail(jpeg.error());
-        input.pictures.push_back({views[i]->id, camera, lidar, *jpeg, overlay.near, overlay.far});
-        if (!picture_written) {
-          const Result<void> written = write_png(folder / "overlay.png", overlay.image);
-          if (!written) return fail(written.error());
-          picture_written = true;
-        }
-      }
-    }
-    progress.show(static_cast<int>(i + 1), static_cast<int>(views.size()));
+  input.title = "Calibration of " + session_name(directory);
+  ReportPictures pictures;
+  std::optional<Error> failure;
+  Result<Session> session = open_session(directory);
+  if (session) {
+    input.session = std::move(*session);
+    fill(input, pictures, failure, directory);
+  } else {
+    // What is no session's directory gets no page; a session that cannot be read gets one that says why.
+    failure = session.error();
+    if (!fs::exists(fs::path(directory) / "session.yaml")) return fail(*failure);
+    tell_missing(input, *failure);
   }
-  const Result<void> written = write_atomically(folder / "index.html", html_report(input));
-  if (!written) return fail(written.error());
-  std::printf("%s\n", (folder / "index.html").string().c_str());
-  if (picture_written) std::printf("%s\n", (folder / "overlay.png").string().c_str());
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fail(ErrorCode::cannot_create, folder.string(), error.message());
+  const auto put = [&](const char* name, const std::string& content) {
+    Result<void> written = write_atomically(folder / name, content);
+    if (written) std::printf("%s\n", (folder / name).string().c_str());
+    return written;
+  };
+  if (const auto written = put("index.html", html_report(input)); !written) return fail(written.error());
+  if (!pictures.overlay.empty()) {
+    const Result<std::string> png = encode_png(pictures.overlay);
+    if (!png) return fail(png.error());
+    if (const auto written = put("overlay.png", *png); !written) return fail(written.error());
+    if (const auto written = put("cloud.ply", pictures.ply); !written) return fail(written.error());
+  }
+  if (failure) return fail(*failure);
+  for (const std::string& line : input.missing)
+    std::fprintf(stderr, "ca2: %s: warning: %s\n", directory.c_str(), line.c_str());
   return 0;
 }
 
@@ -99,11 +118,13 @@ Result<int> report(const std::string& directory) {
 
 CommandBody setup_report(CLI::App& app) {
   auto session = std::make_shared<std::string>();
-  app.add_option("session", *session, "Session directory, solved")->required();
+  app.add_option("session", *session, "Session directory")->required();
   app.footer(
-      "Writes SESSION/report/index.html: verdict, extrinsics with sigma, residuals of every view and the "
-      "LiDAR's points on\n"
-      "the pictures, in one file to open in any browser; and SESSION/report/overlay.png.");
+      "Writes SESSION/report/index.html: verdict, extrinsics with sigma, residuals, coverage and the LiDAR's "
+      "points on\n"
+      "the pictures, in one file to open in any browser; overlay.png and cloud.ply, a coloured cloud, beside "
+      "it. A\n"
+      "session that is not solved, or cannot be, gets a page that says what is missing.");
   return [session] { return report(*session); };
 }
 

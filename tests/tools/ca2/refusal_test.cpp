@@ -122,19 +122,47 @@ TEST_F(Refusal, OneOfTwoCamerasThatNeverSawTheBoardIsNamed) {
   expect_failure(solve(), 1, "right: the board was found in none of its 8 pictures");
 }
 
-TEST_F(Refusal, ReportNeedsAResultItCanRead) {
-  const Outcome before = run_ca2({"report", session});
-  EXPECT_EQ(before.status, 65);
-  EXPECT_NE(before.errors.find("run `ca2 solve"), std::string::npos) << before.errors;
+/// Whatever state a session is in, the report says what is missing.
+TEST_F(Refusal, ReportsOfUnfinishedAndBrokenSessions) {
+  const auto page = [&] { return bytes_of(session / "report" / "index.html"); };
+  const Outcome unsolved = run_ca2({"report", session});
+  EXPECT_EQ(unsolved.status, 0) << unsolved.errors;
+  EXPECT_NE(unsolved.errors.find("run `ca2 solve"), std::string::npos) << unsolved.errors;
+  EXPECT_NE(page().find("Not calibrated"), std::string::npos);
+  EXPECT_NE(page().find("run `ca2 solve"), std::string::npos);
   for (const std::string& garbage : {std::string("version: 1\nmethod: [\n"), std::string(5000, '\0'),
                                      std::string("no result at all\n"), std::string()}) {
     write_bytes(result(), garbage);
     const Outcome run = run_ca2({"report", session});
     EXPECT_EQ(run.status, 65) << run.errors;
     EXPECT_NE(run.errors.find("result.yaml"), std::string::npos) << run.errors;
-    EXPECT_FALSE(fs::exists(session / "report" / "index.html"));
+    EXPECT_NE(page().find("result.yaml"), std::string::npos);
   }
+  fs::remove(result());
+  for (int view = 3; view <= view_count; ++view) fs::remove_all(view_file(view, "").parent_path());
+  EXPECT_EQ(run_ca2({"report", session}).status, 0);
+  EXPECT_NE(page().find("views"), std::string::npos);
+  EXPECT_EQ(page().find("run `ca2 solve"), std::string::npos) << "two views determine nothing";
+  fs::remove_all(session / "views");
+  EXPECT_EQ(run_ca2({"report", session}).status, 0);
+  EXPECT_NE(page().find("There are no views yet"), std::string::npos);
+  edit_rig("columns: 8", "columns: eight");
+  const Outcome broken = run_ca2({"report", session});
+  EXPECT_EQ(broken.status, 78) << broken.errors;
+  EXPECT_NE(page().find("session.yaml"), std::string::npos);
+}
+
+TEST_F(Refusal, ReportOfASolvedSessionWhoseFilesAreGone) {
   ASSERT_EQ(solve().status, 0);
+  fs::remove(picture(1));
+  fs::remove(cloud(2));
+  write_bytes(picture(3), "no picture");
+  const Outcome run = run_ca2({"report", session});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  const std::string page = bytes_of(session / "report" / "index.html");
+  EXPECT_NE(page.find("Verdict: good"), std::string::npos);
+  EXPECT_NE(page.find("000003/front.png"), std::string::npos);
+  fs::remove_all(session / "report");
   write_bytes(session / "report", "a file where the directory should be");
   EXPECT_EQ(run_ca2({"report", session}).status, 73);
 }
