@@ -74,9 +74,18 @@ fs::path temporary_beside(const fs::path& file) {
 
 }  // namespace
 
+Result<int> open_for_reading(const fs::path& file) {
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0) return system_failure(ErrorCode::io, file, "cannot be opened");
+  // Only the opening must not wait: a pipe with a writer is read as usual.
+  ::fcntl(fd, F_SETFL, ::fcntl(fd, F_GETFL) & ~O_NONBLOCK);
+  return fd;
+}
+
 Result<std::string> read_text(const fs::path& file, std::size_t limit) {
-  const Descriptor in(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!in.valid()) return system_failure(ErrorCode::io, file, "cannot be opened");
+  const Result<int> opened = open_for_reading(file);
+  if (!opened) return fail(opened.error());
+  const Descriptor in(*opened);
   struct stat status {};
   if (::fstat(in.get(), &status) != 0) return system_failure(ErrorCode::io, file, "cannot be read");
   if (S_ISDIR(status.st_mode)) return fail(ErrorCode::io, file.string(), "is a directory, not a file");
@@ -97,6 +106,9 @@ Result<std::string> read_text(const fs::path& file, std::size_t limit) {
     if (n == 0) break;
     size += static_cast<std::size_t>(n);
     if (size > limit) return too_large();
+  }
+  if (size == 0 && S_ISFIFO(status.st_mode)) {
+    return fail(ErrorCode::io, file.string(), "is a pipe that nobody writes to", "name a file");
   }
   content.resize(size);
   return content;

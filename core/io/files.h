@@ -12,6 +12,9 @@
 
 namespace ca2 {
 
+/// A descriptor, for the caller to close. Does not wait for somebody to write to a pipe, as open() does.
+Result<int> open_for_reading(const std::filesystem::path& file);
+
 /// The whole file; refuses one larger than `limit` bytes (hostile input must not fill the memory).
 Result<std::string> read_text(const std::filesystem::path& file, std::size_t limit = 64u << 20);
 

@@ -52,32 +52,57 @@ constexpr std::uint64_t power(int n) {
   return value;
 }
 
-/// Carry-less multiplication folds 64 bytes at a time onto the next (Gopal et al., "Fast CRC Computation for
-/// Generic Polynomials Using PCLMULQDQ Instruction", Intel 2009): a 25 kB packet in 3 us instead of 20.
-/// The products of bit-reversed factors are one power too high, hence the odd exponents.
+// Carry-less multiplication folds what was read onto what comes some bytes later (Gopal et al., "Fast CRC
+// Computation for Generic Polynomials Using PCLMULQDQ Instruction", Intel 2009). The products of bit-reversed
+// factors are one power too high, hence the odd exponents.
+
+/// 64 bytes at a time: a 25 kB packet in 3 us instead of 20.
 __attribute__((target("pclmul,sse4.1"))) std::uint64_t advance_folding(std::uint64_t crc,
                                                                        const std::uint8_t* bytes,
                                                                        std::size_t size) {
   constexpr std::uint64_t lower = power(512 + 64 - 1), upper = power(512 - 1);
   const __m128i factors = _mm_set_epi64x(static_cast<long long>(upper), static_cast<long long>(lower));
-  const auto block = [&](std::size_t at) {
-    return _mm_loadu_si128(static_cast<const __m128i*>(static_cast<const void*>(bytes + at)));
-  };
   __m128i folded[4];
-  for (std::size_t k = 0; k < 4; ++k) folded[k] = block(16 * k);
+  std::memcpy(folded, bytes, sizeof folded);
   folded[0] = _mm_xor_si128(folded[0], _mm_set_epi64x(0, static_cast<long long>(crc)));
-  std::size_t i = 64;
-  for (; i + 64 <= size; i += 64) {
+  std::size_t i = sizeof folded;
+  for (; i + sizeof folded <= size; i += sizeof folded) {
     for (std::size_t k = 0; k < 4; ++k) {
+      __m128i block;
+      std::memcpy(&block, bytes + i + 16 * k, sizeof block);
       const __m128i product = _mm_xor_si128(_mm_clmulepi64_si128(folded[k], factors, 0x00),
                                             _mm_clmulepi64_si128(folded[k], factors, 0x11));
-      folded[k] = _mm_xor_si128(product, block(i + 16 * k));
+      folded[k] = _mm_xor_si128(product, block);
     }
   }
-  // What 64 bytes are left has the remainder of all that was folded.
-  std::uint8_t rest[64];
+  // What is left has the remainder of all that was folded.
+  std::uint8_t rest[sizeof folded];
   std::memcpy(rest, folded, sizeof rest);
   return advance(advance(0, rest, sizeof rest), bytes + i, size - i);
+}
+
+/// The same, 128 bytes at a time.
+__attribute__((target("vpclmulqdq,avx2,pclmul,sse4.1"))) std::uint64_t advance_folding_wide(
+    std::uint64_t crc, const std::uint8_t* bytes, std::size_t size) {
+  constexpr std::uint64_t lower = power(1024 + 64 - 1), upper = power(1024 - 1);
+  const __m256i factors = _mm256_set_epi64x(static_cast<long long>(upper), static_cast<long long>(lower),
+                                            static_cast<long long>(upper), static_cast<long long>(lower));
+  __m256i folded[4];
+  std::memcpy(folded, bytes, sizeof folded);
+  folded[0] = _mm256_xor_si256(folded[0], _mm256_set_epi64x(0, 0, 0, static_cast<long long>(crc)));
+  std::size_t i = sizeof folded;
+  for (; i + sizeof folded <= size; i += sizeof folded) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      __m256i block;
+      std::memcpy(&block, bytes + i + 32 * k, sizeof block);
+      const __m256i product = _mm256_xor_si256(_mm256_clmulepi64_epi128(folded[k], factors, 0x00),
+                                               _mm256_clmulepi64_epi128(folded[k], factors, 0x11));
+      folded[k] = _mm256_xor_si256(product, block);
+    }
+  }
+  std::uint8_t rest[sizeof folded];
+  std::memcpy(rest, folded, sizeof rest);
+  return advance(advance_folding(0, rest, sizeof rest), bytes + i, size - i);
 }
 #endif
 
@@ -87,6 +112,8 @@ std::uint64_t crc64(std::span<const std::uint8_t> bytes) {
   constexpr std::uint64_t first = ~std::uint64_t{0};
 #if defined(__x86_64__)
   static const bool folding = __builtin_cpu_supports("pclmul") && __builtin_cpu_supports("sse4.1");
+  static const bool wide = folding && __builtin_cpu_supports("vpclmulqdq") && __builtin_cpu_supports("avx2");
+  if (wide && bytes.size() >= 256) return ~advance_folding_wide(first, bytes.data(), bytes.size());
   if (folding && bytes.size() >= 128) return ~advance_folding(first, bytes.data(), bytes.size());
 #endif
   return ~advance(first, bytes.data(), bytes.size());

@@ -3,12 +3,6 @@
 namespace ca2 {
 
 void reuse(LidarScan& out) {
-  out.scan.points.clear();
-  out.scan.intensity.clear();
-  out.scan.range.clear();
-  out.scan.ring.clear();
-  out.scan.column.clear();
-  out.scan.time.clear();
   out.scan.rings = out.scan.columns = 0;
   out.exact.clear();
   out.clock.clear();

@@ -35,7 +35,8 @@ struct LidarScan {
 /// May take the scan; what it leaves, the decoder uses again.
 using LidarSink = std::function<void(LidarScan&&)>;
 
-/// Empties a scan but keeps its memory, which the system hands out slowly.
+/// Makes a scan ready for a ReturnWriter: all is reset but the returns' arrays, whose memory it uses as it
+/// is.
 void reuse(LidarScan& scan);
 
 }  // namespace ca2

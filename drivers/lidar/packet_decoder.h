@@ -9,6 +9,9 @@ namespace ca2 {
 
 class PacketDecoder {
  public:
+  PacketDecoder() = default;
+  PacketDecoder(const PacketDecoder&) = delete;
+  PacketDecoder& operator=(const PacketDecoder&) = delete;
   virtual ~PacketDecoder() = default;
 
   /// Never fails: what cannot be used is counted.

@@ -26,7 +26,7 @@ std::optional<TimedScan> ScanClock::map(LidarScan&& scan) {
   const std::int64_t middle = first + (last - first) / 2;
   out.time = mapping.to_host(middle);
   out.time_sigma = mapping.sigma_ns(middle);
-  out.scan = std::make_shared<const Scan>(std::move(scan.scan));
+  out.scan = pool_.keep(scan.scan);
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "core/types/scan.h"
 #include "drivers/clock/device_clock.h"
 #include "drivers/lidar/lidar_scan.h"
+#include "drivers/lidar/scan_pool.h"
 
 namespace ca2 {
 
@@ -22,11 +23,12 @@ struct TimedScan {
 /// One per LiDAR; scans in the order of their frames. Pure: the same scans give the same times.
 class ScanClock {
  public:
-  /// Nothing for a scan without packets.
+  /// Nothing for a scan without packets. What is left in `scan` is memory for the decoder to use again.
   std::optional<TimedScan> map(LidarScan&& scan);
 
  private:
   DeviceClock clock_;
+  ScanPool pool_;
 };
 
 }  // namespace ca2

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "core/io/files.h"
 #include "drivers/net/datagram_batch.h"
 #include "drivers/net/udp_dissector.h"
 
@@ -109,9 +110,9 @@ Result<std::unique_ptr<PcapReader>> PcapReader::open_stream(std::FILE* file, con
 
 Result<std::unique_ptr<PcapReader>> PcapReader::open(const std::filesystem::path& file,
                                                      const PcapOptions& options) {
-  std::FILE* stream = std::fopen(file.c_str(), "rbe");
-  if (stream == nullptr) return fail(ErrorCode::io, file.string(), std::strerror(errno));
-  return open_stream(stream, file.string(), options);
+  const Result<int> fd = open_for_reading(file);
+  if (!fd) return fail(fd.error());
+  return open_stream(fdopen(*fd, "rb"), file.string(), options);
 }
 
 Result<std::unique_ptr<PcapReader>> PcapReader::open_memory(std::span<const std::uint8_t> content,

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,11 @@ namespace ca2 {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::map<std::string, VelodyneAzimuth> azimuths{{"auto", VelodyneAzimuth::published},
+                                                      {"times", VelodyneAzimuth::times},
+                                                      {"veloview", VelodyneAzimuth::veloview},
+                                                      {"blocks", VelodyneAzimuth::blocks}};
 
 struct DecodeOptions {
   fs::path file, metadata, calibration, output;
@@ -40,12 +46,16 @@ class ScanWriter {
     return writer;
   }
 
-  Result<void> write(const LidarScan& scan) {
+  Result<void> write(LidarScan& scan) {
     points_ += scan.scan.size();
     const std::size_t number = scans_++;
     if (csv_) {
       write_rows(scan, number);
       return {};
+    }
+    for (std::size_t i = 0; i < scan.scan.size(); ++i) {
+      scan.scan.points[i] = scan.exact[i].point.cast<float>();
+      scan.scan.range[i] = static_cast<float>(scan.exact[i].range);
     }
     char name[32];
     std::snprintf(name, sizeof name, "%06zu.pcd", number);
@@ -117,10 +127,7 @@ Result<LidarDriver> open_driver(const DecodeOptions& options) {
   driver.second_returns = !options.single;
   driver.exact = true;
   driver.streamed_calibration = true;
-  driver.azimuth = options.azimuth == "blocks" ? VelodyneAzimuth::blocks : VelodyneAzimuth::times;
-  Result<LidarDriver> opened = LidarDriver::open(spec, driver);
-  if (!opened || options.azimuth != "auto" || opened->model() != "VLS-128") return opened;
-  driver.azimuth = VelodyneAzimuth::blocks;
+  driver.azimuth = azimuths.at(options.azimuth);
   return LidarDriver::open(spec, driver);
 }
 
@@ -195,10 +202,12 @@ CommandBody setup_decode(CLI::App& app) {
   app.add_flag("--single", options->single, "Leave second returns out");
   app.add_option(
          "--azimuth", options->azimuth,
-         "Velodyne, between encoder readings: `times` where the beam was at its firing time, `blocks` as\n"
-         "the ROS drivers compute it (up to 0.17 degree off); auto: blocks for a VLS-128, whose published\n"
-         "clouds are made so, times otherwise. Calibration always uses `times`.")
-      ->check(CLI::IsMember({"auto", "times", "blocks"}));
+         "Velodyne, between encoder readings: `times` where the beam was when it fired; `veloview` that as\n"
+         "VeloView rounds it (0.005 degree off); `blocks` as the ROS drivers compute it (up to 0.4 degree "
+         "off);\n"
+         "auto: what the model's published clouds are made with, `blocks` for a VLS-128 and a VLP-16's dual\n"
+         "returns, else `veloview`. Calibration always uses `times`.")
+      ->check(CLI::IsMember({"auto", "times", "veloview", "blocks"}));
   app.add_flag("--json", options->json, "Print the summary as JSON");
   return [options] { return run(*options); };
 }

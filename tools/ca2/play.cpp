@@ -8,6 +8,7 @@
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_sender.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/host_port.h"
 #include "tools/ca2/interrupt.h"
 #include "tools/ca2/packet_report.h"
 
@@ -22,33 +23,6 @@ struct Options {
   bool as_json = false;
 };
 
-struct Destination {
-  std::string host;
-  std::uint16_t port = 0;  ///< 0: each datagram's own
-};
-
-/// "HOST", "HOST:PORT", "[IPv6]:PORT" or a bare IPv6 address.
-Result<Destination> parse_destination(const std::string& text) {
-  Destination destination{text, 0};
-  const std::size_t colon = text.rfind(':');
-  const bool bracketed = !text.empty() && text.front() == '[';
-  const bool bare_v6 = !bracketed && text.find(':') != colon;
-  if (colon != std::string::npos && !bare_v6 && (!bracketed || text[colon - 1] == ']')) {
-    const std::string digits = text.substr(colon + 1);
-    const bool number =
-        !digits.empty() && digits.size() <= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
-    if (!number || std::stoi(digits) < 1 || std::stoi(digits) > 65535) {
-      return fail(ErrorCode::usage, "", "'" + text + "' has no port from 1 to 65535 behind the colon");
-    }
-    destination.port = static_cast<std::uint16_t>(std::stoi(digits));
-    destination.host = text.substr(0, colon);
-  }
-  if (bracketed && destination.host.back() == ']') {
-    destination.host = destination.host.substr(1, destination.host.size() - 2);
-  }
-  return destination;
-}
-
 std::int64_t steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
@@ -56,7 +30,7 @@ std::int64_t steady_now() {
 }
 
 Result<int> run(const Options& options) {
-  const Result<Destination> destination = parse_destination(options.to);
+  const Result<HostPort> destination = parse_host_port(options.to);
   if (!destination) return fail(destination.error());
   const auto reader = PcapReader::open(options.file, options.pcap);
   if (!reader) return fail(reader.error());

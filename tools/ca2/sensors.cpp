@@ -1,15 +1,15 @@
 /// @file `ca2 sensors`: listens, and names the LiDARs it hears.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "drivers/lidar_config/ouster_config.h"
-#include "drivers/lidar_config/velodyne_config.h"
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_source.h"
 #include "drivers/survey/survey.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/configurable_sensor.h"
 #include "tools/ca2/interrupt.h"
 #include "tools/ca2/packet_report.h"
 
@@ -23,6 +23,7 @@ struct Options {
   double duration = 3;               // s
   std::filesystem::path pcap;
   std::string group, interface;
+  std::vector<std::string> probe_hosts;  // empty: those heard
   bool share = false, probe = false, as_json = false;
 };
 
@@ -84,28 +85,27 @@ Result<void> read_capture(const Options& options, Heard& heard) {
   return read_all(**reader, std::chrono::steady_clock::time_point::max(), heard);
 }
 
-/// What the sensors at the addresses heard say over HTTP. Reads only.
-json probe(const Survey& survey) {
+/// What the sensor at an address says over HTTP. Reads only.
+json probe(const std::string& address, const std::string& vendor) {
+  const Result<ConfigurableSensor> sensor = connect_sensor(address, vendor);
+  const Result<std::string> text = sensor ? sensor->read_identity() : fail(sensor.error());
+  if (!text) return {{"error", text.error().text()}};
+  json found = json::parse(*text);
+  found["vendor"] = sensor->vendor();
+  return found;
+}
+
+/// By address: the ones given, else those heard.
+json probe_all(const Options& options, const Survey& survey) {
   json found = json::object();
+  for (const std::string& address : options.probe_hosts) found[address] = probe(address, "auto");
+  if (!options.probe_hosts.empty()) return found;
   std::set<std::pair<std::string, std::string>> hosts;
   for (const StreamSummary& stream : survey.streams()) {
     if (!stream.identity.vendor.empty()) hosts.insert({stream.source_address, stream.identity.vendor});
   }
-  for (const auto& [host, vendor] : hosts) {
-    Result<std::string> text = fail(ErrorCode::internal, "", "not asked");
-    if (vendor == "Ouster") {
-      const auto config = OusterConfig::connect(host);
-      text = config ? config->read_metadata() : Result<std::string>(fail(config.error()));
-    } else {
-      text = VelodyneConfig(host).read_info();
-    }
-    if (!text) {
-      found[host] = {{"error", text.error().text()}};
-      continue;
-    }
-    const json all = json::parse(*text);
-    found[host] = vendor == "Ouster" ? all.value("sensor_info", json::object()) : all;
-  }
+  for (const auto& [host, vendor] : hosts)
+    found[host] = probe(host, vendor == "Ouster" ? "ouster" : "velodyne");
   return found;
 }
 
@@ -151,11 +151,26 @@ void print_streams(const Survey& survey, const json& probed) {
     std::printf("%s says: %s\n", host.c_str(), value.dump(2).c_str());
 }
 
+/// Only asks: nothing is listened to.
+Result<int> ask(const Options& options) {
+  const json probed = probe_all(options, {});
+  if (options.as_json) {
+    std::printf("%s\n", json{{"probe", probed}}.dump(2, ' ', false, json::error_handler_t::replace).c_str());
+  } else {
+    print_streams({}, probed);
+  }
+  const auto silent = [](const json& answer) { return answer.contains("error"); };
+  if (std::none_of(probed.begin(), probed.end(), silent)) return 0;
+  return fail(ErrorCode::unavailable, "", "not every sensor answered");
+}
+
 Result<int> run(const Options& options) {
+  if (!options.probe_hosts.empty()) return ask(options);
   Heard heard;
   const Result<void> done = options.pcap.empty() ? listen(options, heard) : read_capture(options, heard);
   if (!done && heard.survey.streams().empty()) return fail(done.error());
-  const json probed = options.probe && options.pcap.empty() ? probe(heard.survey) : json::object();
+  const json probed =
+      options.probe && options.pcap.empty() ? probe_all(options, heard.survey) : json::object();
   if (options.as_json) {
     json report = {{"streams", streams_json(heard.survey)},
                    {"counters", counters_json(heard.counters)},
@@ -188,9 +203,18 @@ CommandBody setup_sensors(CLI::App& app) {
   app.add_option("--interface", options->interface, "Interface for the group");
   app.add_flag("--share", options->share,
                "Share the ports with programs that share them too; takes their unicast packets");
-  app.add_flag("--probe", options->probe, "Ask the sensors heard about themselves over HTTP (reads only)");
+  const CLI::Option* probe =
+      app.add_option(
+             "--probe", options->probe_hosts,
+             "Ask the sensors heard about themselves over HTTP (reads only); with HOST or HOST:PORT,\n"
+             "ask these and do not listen")
+          ->expected(0, -1);
   app.add_flag("--json", options->as_json, "For programs");
-  return [options] { return run(*options); };
+  return [options, probe] {
+    options->probe = probe->count() > 0;
+    std::erase(options->probe_hosts, "");
+    return run(*options);
+  };
 }
 
 }  // namespace ca2

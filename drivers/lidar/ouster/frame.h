@@ -29,10 +29,10 @@ struct OusterFrame {
   std::vector<std::uint16_t> near_ir;
 };
 
-/// The returns of a frame as points. Order: by column, then row, then return (the strongest first, as the
-/// sensor is set up by default). Intensity is the calibrated reflectivity, which every profile has; time is
-/// the column's, on the sensor's clock.
-/// Sets `scan` and, when asked for, `exact` of `out`, which is empty (reuse).
+/// The returns of a frame as points. Order: by column, then return (the strongest first, as the sensor
+/// is set up by default), then row. Intensity is the calibrated reflectivity, which every profile has; time
+/// is the column's, on the sensor's clock. Sets `scan` and, when asked for, `exact` of `out`, which was made
+/// ready by reuse().
 void make_scan(const OusterFrame& frame, const OusterGeometry& geometry, bool second_returns, bool exact,
                LidarScan& out);
 

@@ -10,18 +10,6 @@ constexpr int hold = 8;
 /// Frames under way at most.
 constexpr std::size_t most_slots = 3;
 
-/// Everything about the field is in registers: what is written might otherwise alias it. Reads 4 bytes, which
-/// may reach past a pixel but never past the packet.
-template <class T>
-void decode_field(const OusterField& field, const std::uint8_t* pixels, int stride, int rows, T* out) {
-  const std::uint8_t* at = pixels + field.bit / 8;
-  const int low = field.bit % 8, shift = field.shift;
-  const std::uint32_t mask = (1u << field.width) - 1;
-  for (int row = 0; row < rows; ++row, at += stride) {
-    out[row] = static_cast<T>((load<std::uint32_t>(at) >> low & mask) << shift);
-  }
-}
-
 }  // namespace
 
 OusterFrameAssembler::OusterFrameAssembler(const OusterMetadata& metadata, bool extra_fields)
@@ -168,16 +156,16 @@ void OusterFrameAssembler::decode_column(OusterFrame& frame, const std::uint8_t*
   frame.measurement_id[at] = static_cast<std::uint16_t>(id);
   frame.status[at] = profile.legacy() ? load<std::uint32_t>(column + format_.column_bytes - 4)
                                       : load<std::uint16_t>(column + 10);
-  const std::uint8_t* pixels = format_.pixel(column, 0);
   const std::size_t first = at * static_cast<std::size_t>(format_.pixels);
-  const int stride = profile.pixel_bytes, rows = format_.pixels;
-  for (int i = 0; i < (profile.dual() ? 2 : 1); ++i) {
-    decode_field(profile.range[i], pixels, stride, rows, &frame.range[i][first]);
-    decode_field(profile.reflectivity[i], pixels, stride, rows, &frame.reflectivity[i][first]);
-    if (!frame.signal[i].empty())
-      decode_field(profile.signal[i], pixels, stride, rows, &frame.signal[i][first]);
+  OusterPixels out;
+  const auto place = [&](auto& field) { return field.empty() ? nullptr : &field[first]; };
+  for (int i = 0; i < 2; ++i) {
+    out.range[i] = place(frame.range[i]);
+    out.reflectivity[i] = place(frame.reflectivity[i]);
+    out.signal[i] = place(frame.signal[i]);
   }
-  if (!frame.near_ir.empty()) decode_field(profile.near_ir, pixels, stride, rows, &frame.near_ir[first]);
+  out.near_ir = place(frame.near_ir);
+  profile.decode(format_.pixel(column, 0), format_.pixels, out);
 }
 
 void OusterFrameAssembler::close_oldest(LidarCounters& counters, const Sink& sink) {

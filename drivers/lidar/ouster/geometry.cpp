@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "drivers/lidar/lanes.h"
+
 namespace ca2 {
 
 OusterGeometry make_ouster_geometry(const OusterMetadata& metadata) {
@@ -22,6 +24,13 @@ OusterGeometry make_ouster_geometry(const OusterMetadata& metadata) {
   out.a = (altitude * radian).cos() * (azimuth * radian).cos();
   out.b = -(altitude * radian).cos() * (azimuth * radian).sin();
   out.c = (altitude * radian).sin();
+  for (const auto& [from, to] :
+       {std::pair{&out.a, &out.a_lanes}, std::pair{&out.b, &out.b_lanes}, std::pair{&out.c, &out.c_lanes}}) {
+    to->assign(static_cast<std::size_t>(lanes::padded(static_cast<int>(from->size()))), 0.0f);
+    for (Eigen::Index row = 0; row < from->size(); ++row) {
+      (*to)[static_cast<std::size_t>(row)] = static_cast<float>((*from)[row]);
+    }
+  }
   const Eigen::Matrix3d R = metadata.lidar_to_sensor.topLeftCorner<3, 3>();
   out.columns.reserve(static_cast<std::size_t>(metadata.columns_per_frame));
   for (int column = 0; column < metadata.columns_per_frame; ++column) {

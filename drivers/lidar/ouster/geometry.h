@@ -20,6 +20,8 @@ struct OusterGeometry {
   /// cos(altitude) sin(azimuth), sin(altitude).
   Eigen::ArrayXd a, b, c;
   std::vector<Column> columns;
+  /// a, b and c in single precision, readable up to the next multiple of lanes::count.
+  std::vector<float> a_lanes, b_lanes, c_lanes;
   Eigen::Vector3d t = Eigen::Vector3d::Zero();  ///< m
   double origin_x = 0, origin_z = 0;            ///< m, beam origin
   double origin_range = 0;                      ///< m, subtracted from every range

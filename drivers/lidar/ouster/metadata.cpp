@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/io/files.h"
 #include "drivers/lidar/ouster/metadata_defaults.h"
 #include "drivers/lidar/ouster/profile.h"
-#include "drivers/lidar/text_file.h"
 
 namespace ca2 {
 namespace {
@@ -289,7 +289,7 @@ Result<OusterMetadata> parse_ouster_metadata(const std::string& text, const std:
 }
 
 Result<OusterMetadata> read_ouster_metadata(const std::filesystem::path& file) {
-  const Result<std::string> text = read_sensor_file(file);
+  const Result<std::string> text = read_text(file, 4u << 20);  // real ones have 50 kB
   if (!text) return fail(text.error());
   return parse_ouster_metadata(*text, file.string());
 }

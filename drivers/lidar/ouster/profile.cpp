@@ -1,67 +1,123 @@
 #include "drivers/lidar/ouster/profile.h"
 
+#include <array>
+#include <utility>
+
+#include "drivers/lidar/bytes.h"
+
 namespace ca2 {
+namespace {
+
+constexpr OusterField none{};
+constexpr OusterField rng19{0, 19, 0}, rng19_second{32, 19, 0};
+constexpr OusterField rng15{0, 15, 3}, rng15_second{32, 15, 3};
 
 // Ouster Firmware User Manual, "Lidar Data Packet Format"; those of firmware 3.2 from the vendor's library.
-const std::vector<OusterProfile>& ouster_profiles() {
-  constexpr OusterField none{};
-  constexpr OusterField rng19{0, 19, 0}, rng19_second{32, 19, 0};
-  constexpr OusterField rng15{0, 15, 3}, rng15_second{32, 15, 3};
-  static const std::vector<OusterProfile> profiles{
-      {"LEGACY", 12, {{0, 20, 0}, none}, {{32, 8, 0}, none}, {{48, 16, 0}, none}, {64, 16, 0}},
-      {"RNG19_RFL8_SIG16_NIR16", 12, {rng19, none}, {{32, 8, 0}, none}, {{48, 16, 0}, none}, {64, 16, 0}},
-      {"RNG19_RFL8_SIG16_NIR16_DUAL",
-       16,
-       {rng19, rng19_second},
-       {{24, 8, 0}, {56, 8, 0}},
-       {{64, 16, 0}, {80, 16, 0}},
-       {96, 16, 0}},
-      {"RNG15_RFL8_NIR8", 4, {rng15, none}, {{16, 8, 0}, none}, {none, none}, {24, 8, 4}},
-      {"FIVE_WORD_PIXEL",
-       20,
-       {rng19, rng19_second},
-       {{24, 8, 0}, {56, 8, 0}},
-       {{64, 16, 0}, {80, 16, 0}},
-       {96, 16, 0}},
-      {"FUSA_RNG15_RFL8_NIR8_DUAL",
-       8,
-       {rng15, rng15_second},
-       {{16, 8, 0}, {48, 8, 0}},
-       {none, none},
-       {24, 8, 4}},
-      {"RNG15_RFL8_NIR8_DUAL", 8, {rng15, rng15_second}, {{16, 8, 0}, {48, 8, 0}}, {none, none}, {24, 8, 4}},
-      {"RNG15_RFL8_NIR8_ZONE16", 8, {rng15, none}, {{16, 8, 0}, none}, {none, none}, {24, 8, 4}},
-      {"RNG19_RFL8_SIG16_NIR16_ZONE16",
-       12,
-       {rng19, none},
-       {{32, 8, 0}, none},
-       {{48, 16, 0}, none},
-       {64, 16, 0}},
-      {"RNG15_RFL8_WIN8", 4, {rng15, none}, {{16, 8, 0}, none}, {none, none}, none},
-      {"RNG19_RFL8_SIG16_ZONE16_DUAL",
-       16,
-       {rng19, rng19_second},
-       {{24, 8, 0}, {56, 8, 0}},
-       {{64, 16, 0}, {80, 16, 0}},
-       none},
-      {"RNG19_RFL8_SIG16_NIR16_RGB16",
-       16,
-       {rng19, none},
-       {{24, 8, 0}, none},
-       {{32, 16, 0}, none},
-       {48, 16, 0}},
-      {"RNG19_RFL8_SIG16_NIR16_RGB16_DUAL",
-       20,
-       {rng19, rng19_second},
-       {{24, 8, 0}, {56, 8, 0}},
-       {{64, 16, 0}, {80, 16, 0}},
-       {96, 16, 0}},
+constexpr std::array layouts{
+    OusterProfile{"LEGACY", 12, {{0, 20, 0}, none}, {{32, 8, 0}, none}, {{48, 16, 0}, none}, {64, 16, 0}},
+    OusterProfile{
+        "RNG19_RFL8_SIG16_NIR16", 12, {rng19, none}, {{32, 8, 0}, none}, {{48, 16, 0}, none}, {64, 16, 0}},
+    OusterProfile{"RNG19_RFL8_SIG16_NIR16_DUAL",
+                  16,
+                  {rng19, rng19_second},
+                  {{24, 8, 0}, {56, 8, 0}},
+                  {{64, 16, 0}, {80, 16, 0}},
+                  {96, 16, 0}},
+    OusterProfile{"RNG15_RFL8_NIR8", 4, {rng15, none}, {{16, 8, 0}, none}, {none, none}, {24, 8, 4}},
+    OusterProfile{"FIVE_WORD_PIXEL",
+                  20,
+                  {rng19, rng19_second},
+                  {{24, 8, 0}, {56, 8, 0}},
+                  {{64, 16, 0}, {80, 16, 0}},
+                  {96, 16, 0}},
+    OusterProfile{"FUSA_RNG15_RFL8_NIR8_DUAL",
+                  8,
+                  {rng15, rng15_second},
+                  {{16, 8, 0}, {48, 8, 0}},
+                  {none, none},
+                  {24, 8, 4}},
+    OusterProfile{
+        "RNG15_RFL8_NIR8_DUAL", 8, {rng15, rng15_second}, {{16, 8, 0}, {48, 8, 0}}, {none, none}, {24, 8, 4}},
+    OusterProfile{"RNG15_RFL8_NIR8_ZONE16", 8, {rng15, none}, {{16, 8, 0}, none}, {none, none}, {24, 8, 4}},
+    OusterProfile{"RNG19_RFL8_SIG16_NIR16_ZONE16",
+                  12,
+                  {rng19, none},
+                  {{32, 8, 0}, none},
+                  {{48, 16, 0}, none},
+                  {64, 16, 0}},
+    OusterProfile{"RNG15_RFL8_WIN8", 4, {rng15, none}, {{16, 8, 0}, none}, {none, none}, none},
+    OusterProfile{"RNG19_RFL8_SIG16_ZONE16_DUAL",
+                  16,
+                  {rng19, rng19_second},
+                  {{24, 8, 0}, {56, 8, 0}},
+                  {{64, 16, 0}, {80, 16, 0}},
+                  none},
+    OusterProfile{"RNG19_RFL8_SIG16_NIR16_RGB16",
+                  16,
+                  {rng19, none},
+                  {{24, 8, 0}, none},
+                  {{32, 16, 0}, none},
+                  {48, 16, 0}},
+    OusterProfile{"RNG19_RFL8_SIG16_NIR16_RGB16_DUAL",
+                  20,
+                  {rng19, rng19_second},
+                  {{24, 8, 0}, {56, 8, 0}},
+                  {{64, 16, 0}, {80, 16, 0}},
+                  {96, 16, 0}},
+};
+
+/// A field of a column. Everything about it is known to the compiler, and what is written might otherwise
+/// alias what is read.
+template <int stride, int bit, int width, int shift, class T>
+void decode_field(const std::uint8_t* pixels, int rows, T* __restrict out) {
+  if (!out) return;
+  const std::uint8_t* at = pixels + bit / 8;
+  for (int row = 0; row < rows; ++row, at += stride) {
+    // Fields of one or two whole bytes are read as such.
+    if constexpr (width == 8 && bit % 8 == 0) {
+      out[row] = static_cast<T>(static_cast<unsigned>(*at) << shift);
+    } else if constexpr (width == 16 && bit % 8 == 0) {
+      out[row] = static_cast<T>(load<std::uint16_t>(at) << shift);
+    } else {
+      constexpr std::uint32_t mask = (1u << width) - 1;
+      out[row] = static_cast<T>((load<std::uint32_t>(at) >> bit % 8 & mask) << shift);
+    }
+  }
+}
+
+template <std::size_t index>
+void decode_column(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
+  constexpr OusterProfile p = layouts[index];
+  constexpr int stride = p.pixel_bytes;
+  const auto all = [&]<int i>() {
+    constexpr OusterField range = p.range[i], reflectivity = p.reflectivity[i], signal = p.signal[i];
+    decode_field<stride, range.bit, range.width, range.shift>(pixels, rows, out.range[i]);
+    decode_field<stride, reflectivity.bit, 8, reflectivity.shift>(pixels, rows, out.reflectivity[i]);
+    if constexpr (signal.present())
+      decode_field<stride, signal.bit, signal.width, signal.shift>(pixels, rows, out.signal[i]);
   };
+  all.template operator()<0>();
+  if constexpr (p.dual()) all.template operator()<1>();
+  if constexpr (p.near_ir.present())
+    decode_field<stride, p.near_ir.bit, p.near_ir.width, p.near_ir.shift>(pixels, rows, out.near_ir);
+}
+
+template <std::size_t... index>
+constexpr auto with_decoders(std::index_sequence<index...>) {
+  auto out = layouts;
+  ((out[index].decode = &decode_column<index>), ...);
+  return out;
+}
+constexpr auto profiles = with_decoders(std::make_index_sequence<layouts.size()>());
+
+}  // namespace
+
+std::span<const OusterProfile> ouster_profiles() {
   return profiles;
 }
 
 const OusterProfile* find_ouster_profile(std::string_view name) {
-  for (const OusterProfile& profile : ouster_profiles()) {
+  for (const OusterProfile& profile : profiles) {
     if (profile.name == name) return &profile;
   }
   return nullptr;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string_view>
-#include <vector>
 
 namespace ca2 {
 
@@ -13,8 +13,19 @@ struct OusterField {
   int width = 0;  ///< 0: the profile has no such field
   int shift = 0;  ///< low data rate profiles count ranges in 8 mm and near infrared in 16
 
-  bool present() const { return width > 0; }
+  constexpr bool present() const { return width > 0; }
 };
+
+/// Where the fields of a column go, by row; nullptr: not wanted, or not in the profile.
+struct OusterPixels {
+  std::uint32_t* range[2] = {};  ///< mm
+  std::uint8_t* reflectivity[2] = {};
+  std::uint16_t* signal[2] = {};
+  std::uint16_t* near_ir = nullptr;
+};
+/// `pixels` is the column's first pixel on the wire. May read up to three bytes beyond the last one, which
+/// are of the column's or packet's footer.
+using OusterColumnDecoder = void (*)(const std::uint8_t* pixels, int rows, const OusterPixels& out);
 
 /// The fields Ca2 decodes. `range`, `reflectivity` and `signal` have a second return in dual profiles.
 struct OusterProfile {
@@ -24,9 +35,10 @@ struct OusterProfile {
   OusterField reflectivity[2];  ///< 0-255, calibrated
   OusterField signal[2];        ///< photons
   OusterField near_ir;          ///< photons
+  OusterColumnDecoder decode = nullptr;
 
-  bool legacy() const { return name == "LEGACY"; }
-  bool dual() const { return range[1].present(); }
+  constexpr bool legacy() const { return name == "LEGACY"; }
+  constexpr bool dual() const { return range[1].present(); }
   /// Sizes of the frame around the pixels, in bytes.
   int packet_header() const { return legacy() ? 0 : 32; }
   int packet_footer() const { return legacy() ? 0 : 32; }
@@ -36,7 +48,7 @@ struct OusterProfile {
   int range_step() const { return 1 << range[0].shift; }
 };
 
-const std::vector<OusterProfile>& ouster_profiles();
+std::span<const OusterProfile> ouster_profiles();
 
 /// nullptr when there is no profile of that name ("OFF" is none: such a sensor sends no lidar packets).
 const OusterProfile* find_ouster_profile(std::string_view name);

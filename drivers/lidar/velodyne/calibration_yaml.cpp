@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "drivers/lidar/text_file.h"
+#include "core/io/files.h"
 #include "drivers/lidar/velodyne/calibration.h"
 
 namespace ca2 {
@@ -115,7 +115,7 @@ Result<VelodyneCalibration> parse_velodyne_calibration(const std::string& text, 
 }
 
 Result<VelodyneCalibration> read_velodyne_calibration(const std::filesystem::path& file, int lasers) {
-  const Result<std::string> text = read_sensor_file(file);
+  const Result<std::string> text = read_text(file, 4u << 20);  // real ones have 50 kB
   if (!text) return fail(text.error());
   return parse_velodyne_calibration(*text, lasers, file.string());
 }

@@ -28,7 +28,7 @@ VelodyneDecoder::VelodyneDecoder(const VelodyneModel& model,
 
 void VelodyneDecoder::use(const VelodyneCalibration& calibration) {
   projection_.emplace(model_, calibration, options_.two_point_correction);
-  projection_->want_exact(options_.exact);
+  writer_.begin(scan_.scan, 0);
 }
 
 void VelodyneDecoder::push(const Datagram& datagram, LidarCounters& counters, const LidarSink& sink) {
@@ -124,7 +124,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
   projection_->set_cycle(cycle);
   const std::int64_t start = packet.device_time + (timed ? std::llround(model_.epoch * 1e9) : 0);
 
-  VelodyneReturns returns;
+  std::vector<ExactReturn>* const exact = options_.exact ? &scan_.exact : nullptr;
   for (int i = 0; i < firings.count; ++i) {
     const VelodyneFiring& firing = firings.firing[static_cast<std::size_t>(i)];
     const std::int64_t number = firing_number_ + firing.cycle;
@@ -132,7 +132,6 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     // Halves of a block share its azimuth: only the first can begin a scan.
     if (firing.half == 0 &&
         cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
-      returns.append_to(scan_, options_.exact);
       give_out(counters, sink, !after_gap);
       begun_at_cut_ = !after_gap;
       // Where the first firings of a scan are missing, their number follows from how far the head has turned.
@@ -143,10 +142,9 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
       begun_at_cut_ = false;
     }
     const auto column = static_cast<std::uint32_t>(number - scan_first_);
-    projection_->project(firing, start, column, options_.second_returns, returns);
+    projection_->project(firing, start, column, options_.second_returns, writer_, exact);
     scan_.scan.columns = std::max(scan_.scan.columns, static_cast<int>(column) + 1);
   }
-  returns.append_to(scan_, options_.exact);
   if (missing > 0) scan_.missing_packets += static_cast<int>((missing + cycles / 2) / cycles);
   scan_.clock.push_back({packet.device_time, packet.host_time});
   last_ = packet;
@@ -165,16 +163,12 @@ void VelodyneDecoder::give_out(LidarCounters& counters, const LidarSink& sink, b
   scan_.complete = whole && begun_at_cut_ && scan_.missing_packets == 0;
   ++counters.frames;
   if (!scan_.complete) ++counters.incomplete_frames;
+  writer_.finish();
   // The next revolution is about as large as this one.
-  const std::size_t room = scan_.scan.size() + scan_.scan.size() / 8;
+  const std::size_t expected = writer_.size() + writer_.size() / 8;
   sink(std::move(scan_));
   reuse(scan_);
-  scan_.scan.points.reserve(room);
-  scan_.scan.intensity.reserve(room);
-  scan_.scan.range.reserve(room);
-  scan_.scan.ring.reserve(room);
-  scan_.scan.column.reserve(room);
-  scan_.scan.time.reserve(room);
+  writer_.begin(scan_.scan, expected);
 }
 
 }  // namespace ca2

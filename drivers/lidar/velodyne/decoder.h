@@ -52,6 +52,7 @@ class VelodyneDecoder : public PacketDecoder {
   double step_;           ///< 0.01 degree per cycle
 
   LidarScan scan_;
+  ReturnWriter writer_;             ///< of scan_
   std::int64_t firing_number_ = 0;  ///< of the current packet's first firing, since the start
   std::int64_t scan_first_ = 0;     ///< number of the firing that has column 0
   bool begun_at_cut_ = false;

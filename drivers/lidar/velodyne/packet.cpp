@@ -78,7 +78,23 @@ void steps_by_time(VelodyneFirings& firings, int per_block) {
   for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(step);
 }
 
-void steps_by_block(VelodyneFirings& firings, Layout layout, const std::uint8_t* packet) {
+/// VeloView's: the seventh of the eleven steps from block to block in order of size, which is a step and not
+/// a zero where blocks come in pairs.
+void steps_of_veloview(VelodyneFirings& firings, const std::uint8_t* packet) {
+  std::array<int, P::blocks - 1> steps;
+  for (int b = 0; b + 1 < P::blocks; ++b) {
+    steps[static_cast<std::size_t>(b)] =
+        signed_step(P::azimuth(P::block(packet, b)), P::azimuth(P::block(packet, b + 1)));
+  }
+  std::nth_element(steps.begin(), steps.begin() + P::blocks / 2, steps.end());
+  for (int i = 0; i < firings.count; ++i) {
+    VelodyneFiring& firing = firings.firing[static_cast<std::size_t>(i)];
+    firing.step.fill(steps[P::blocks / 2]);
+    firing.rounded = true;
+  }
+}
+
+void steps_by_block(VelodyneFirings& firings, Layout layout, int per_block, const std::uint8_t* packet) {
   const int ahead = layout == Layout::pairs ? 2 : layout == Layout::triples ? 3 : 1;
   const auto step_of = [&](int block) {
     if (block + ahead < P::blocks) {
@@ -96,6 +112,9 @@ void steps_by_block(VelodyneFirings& firings, Layout layout, const std::uint8_t*
       if (!block) continue;
       firing.step[bank] =
           step_of(static_cast<int>((block - packet) / static_cast<std::ptrdiff_t>(P::block_bytes)));
+    }
+    if (layout == Layout::pairs && per_block == 2) {
+      firing.strongest_ahead = static_cast<int>(firing.step[0]);
     }
   }
 }
@@ -174,10 +193,19 @@ VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout
     }
   }
   if (layout == Layout::apart) return out;  // when the lasers of an S1 fire is not published
-  if (azimuth_mode == VelodyneAzimuth::times) {
-    steps_by_time(out, per_block);
-  } else {
-    steps_by_block(out, layout, packet);
+  if (azimuth_mode == VelodyneAzimuth::published) {
+    const bool by_block = banks == 4 || (layout == Layout::pairs && per_block == 2);
+    azimuth_mode = by_block ? VelodyneAzimuth::blocks : VelodyneAzimuth::veloview;
+  }
+  switch (azimuth_mode) {
+    case VelodyneAzimuth::veloview:
+      steps_of_veloview(out, packet);
+      break;
+    case VelodyneAzimuth::blocks:
+      steps_by_block(out, layout, per_block, packet);
+      break;
+    default:
+      steps_by_time(out, per_block);
   }
   return out;
 }

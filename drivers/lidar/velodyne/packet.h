@@ -50,6 +50,9 @@ struct VelodyneFiring {
   int half = 0;     ///< VLP-16: 0 or 1, which half of the channels
   /// 0.01 degree that the head turns from this block to the next in time, by bank; 0: not to be told.
   std::array<double, 4> step{};
+  bool rounded = false;  ///< the lasers' azimuths are rounded to 0.01 degree
+  /// 0.01 degree from this block's azimuth to that of all lasers' strongest returns; VelodyneAzimuth::blocks.
+  std::optional<int> strongest_ahead;
   /// Blocks by return (0: the one given out first) and bank; nullptr: not in the packet.
   std::array<std::array<const std::uint8_t*, 4>, 2> blocks{};
 };
@@ -78,12 +81,18 @@ int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout);
 
 /// How far a laser's azimuth is from its block's.
 enum class VelodyneAzimuth {
-  /// By its firing time and the head's rate over the packet: where the beam was; VeloView's, unrounded.
+  /// By its firing time and the head's rate over the packet: where the beam was.
   times,
-  /// By the step to the next block on the wire, as the ROS drivers (and so the reference clouds made with
-  /// them) do it: blocks whose successor has the same azimuth, which are three of four of a VLS-128's, and
-  /// the last pair of a dual return packet are left where they are. Up to 0.17 degree from `times`.
+  /// As VeloView computes it: the same, with the packet's (upper) median step, rounded to 0.01 degree.
+  veloview,
+  /// By the step to the next block on the wire, as the ROS drivers compute it: blocks whose successor has the
+  /// same azimuth, which are three of four of a VLS-128's, and the last pair of a dual return packet are left
+  /// where they are, and the strongest returns of a VLP-16's pairs are put where the next pair begins. Up to
+  /// 0.4 degree from `times`.
   blocks,
+  /// As the published clouds of the model are made: `blocks` for a VLS-128 and for dual returns of a VLP-16,
+  /// else `veloview`.
+  published,
 };
 
 /// Sorts blocks into firings. Blocks with an unknown flag or an impossible azimuth are counted and left out.

@@ -27,20 +27,20 @@ std::vector<LidarScan> decode_file(const std::string& pcap, const LidarModelSpec
   return scans;
 }
 
-/// The point that the reference's rounding of the azimuth to 0.01 degree makes of ours.
-Eigen::Vector3d rounded_azimuth(const Eigen::Vector3d& p) {
-  const double step = std::numbers::pi / 18000;
-  const double azimuth = std::round(std::atan2(p.x(), p.y()) / step) * step;
-  const double r = std::hypot(p.x(), p.y());
-  return {r * std::sin(azimuth), r * std::cos(azimuth), p.z()};
+/// What `ca2 decode` does by default.
+LidarDriverOptions as_published() {
+  LidarDriverOptions options;
+  options.exact = true;
+  options.azimuth = VelodyneAzimuth::published;
+  return options;
 }
 
 TEST(VelodyneGolden, Vlp16OfVeloViewsOwnTest) {
   const std::string pcap = "VeloView_vlp-16-test-90deg-1-50-frames.pcap";
   CA2_NEEDS_PACKETS(packet_file("velodyne/" + pcap));
   LidarCounters counters;
-  const auto scans =
-      decode_file(pcap, {"VLP-16", {}, packet_file("velodyne/VeloView_VLP-16.xml"), 0, 0}, &counters);
+  const LidarModelSpec spec{"VLP-16", {}, packet_file("velodyne/VeloView_VLP-16.xml"), 0, 0};
+  const auto scans = decode_file(pcap, spec, &counters, as_published());
   EXPECT_EQ(counters.lidar_packets, 1902u);  // although they call themselves an HDL-32E
   EXPECT_EQ(counters.position_packets, 367u);
   EXPECT_EQ(counters.missing_packets, 0u);
@@ -55,9 +55,11 @@ TEST(VelodyneGolden, Vlp16OfVeloViewsOwnTest) {
   // VeloView lists channels in the order of the packet, as we do.
   const Scan& scan = scans[16].scan;
   const Eigen::Vector3d first(0.0801272, 6.04037, -1.61865), last(-0.0094354, 4.91462, 1.31687);
-  EXPECT_LT((rounded_azimuth(scan.points[0].cast<double>()) - first).norm(), 1e-4);
-  EXPECT_LT((scan.points[0].cast<double>() - first).norm(), 1e-3);
-  EXPECT_LT((rounded_azimuth(scan.points[13859].cast<double>()) - last).norm(), 1e-4);
+  EXPECT_LT((scan.points[0].cast<double>() - first).norm(), 1e-5);
+  EXPECT_LT((scan.points[13859].cast<double>() - last).norm(), 1e-5);
+  // Unrounded, for calibration.
+  const auto unrounded = decode_file(pcap, spec);
+  EXPECT_LT((unrounded.at(16).scan.points[0].cast<double>() - first).norm(), 1e-3);
   EXPECT_EQ(scan.intensity[0], 4);
   EXPECT_EQ(scan.intensity[13859], 29);
 }
@@ -80,8 +82,8 @@ TEST(VelodyneGolden, Hdl64eS1PointByPoint) {
   const std::string pcap = "opendlv_HDL-64E_atwallshort.pcap";
   CA2_NEEDS_PACKETS(packet_file("velodyne/" + pcap));
   LidarCounters counters;
-  const auto scans =
-      decode_file(pcap, {"HDL-64E", {}, packet_file("velodyne/opendlv_HDL-64E_db.xml"), 0, 0}, &counters);
+  const LidarModelSpec spec{"HDL-64E", {}, packet_file("velodyne/opendlv_HDL-64E_db.xml"), 0, 0};
+  const auto scans = decode_file(pcap, spec, &counters, as_published());
   EXPECT_EQ(counters.lidar_packets, 306u);
   EXPECT_EQ(counters.wrong_size, 0u);  // the truncated record at the end never gets here
   ASSERT_GE(scans.size(), 2u);
@@ -90,13 +92,16 @@ TEST(VelodyneGolden, Hdl64eS1PointByPoint) {
   ASSERT_EQ(expected.size(), 89105u);
   const Scan& scan = scans[1].scan;
   ASSERT_EQ(scan.size(), expected.size());
-  double worst = 0;
+  double worst = 0, worst_single = 0;
   int intensities = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    worst = std::max(worst, (scan.points[i].cast<double>() - expected[i].head<3>()).norm());
+    const Eigen::Vector3d& exact = scans[1].exact[i].point;
+    worst = std::max(worst, (exact - expected[i].head<3>()).norm());
+    worst_single = std::max(worst_single, (exact - scan.points[i].cast<double>()).norm() / scan.range[i]);
     intensities += scan.intensity[i] == expected[i][3];
   }
   EXPECT_LT(worst, 10e-6);
+  EXPECT_LT(worst_single, 4e-7);
   EXPECT_EQ(intensities, 89105);
 }
 
@@ -104,8 +109,8 @@ TEST(VelodyneGolden, Hdl32ePointByPoint) {
   const std::string pcap = "opendlv_HDL-32E_sampleShort.pcap";
   CA2_NEEDS_PACKETS(packet_file("velodyne/" + pcap));
   LidarCounters counters;
-  const auto scans =
-      decode_file(pcap, {"HDL-32E", {}, packet_file("velodyne/opendlv_HDL-32E.xml"), 0, 0}, &counters);
+  const LidarModelSpec spec{"HDL-32E", {}, packet_file("velodyne/opendlv_HDL-32E.xml"), 0, 0};
+  const auto scans = decode_file(pcap, spec, &counters, as_published());
   EXPECT_EQ(counters.lidar_packets, 603u);
   EXPECT_EQ(counters.position_packets, 65u);
   EXPECT_EQ(counters.wrong_size, 0u);  // the truncated record at the end never gets here
@@ -115,17 +120,24 @@ TEST(VelodyneGolden, Hdl32ePointByPoint) {
   ASSERT_EQ(expected.size(), 47962u);
   const Scan& scan = scans[1].scan;
   ASSERT_EQ(scan.size(), expected.size());
-  // The reference rounds azimuths to 0.01 degree: what may be left is a step of that, 17 mm at 100 m.
-  int intensities = 0, within_6_mm = 0;
-  double worst_steps = 0;
+  const auto unrounded = decode_file(pcap, spec);
+  ASSERT_EQ(unrounded.at(1).scan.size(), expected.size());
+  // An azimuth that lies half-way between two steps of 0.01 degree is rounded up here; VeloView's falls to
+  // either side by its times' last bits.
+  int intensities = 0, equal = 0;
+  double worst = 0, worst_unrounded = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    const double error = (scan.points[i].cast<double>() - expected[i].head<3>()).norm();
-    worst_steps = std::max(worst_steps, error / (scan.range[i] * std::numbers::pi / 18000));
-    within_6_mm += error <= 6e-3;
+    const Eigen::Vector3d reference = expected[i].head<3>();
+    const double error = (scans[1].exact[i].point - reference).norm();
+    worst = std::max(worst, error);
+    equal += error < 20e-6;
+    const double beside = (unrounded[1].scan.points[i].cast<double>() - reference).norm();
+    worst_unrounded = std::max(worst_unrounded, beside / (scan.range[i] * std::numbers::pi / 18000));
     intensities += scan.intensity[i] == expected[i][3];
   }
-  EXPECT_LT(worst_steps, 1.0);
-  EXPECT_GE(within_6_mm, 47840);
+  EXPECT_LT(worst, 6e-3);
+  EXPECT_GE(equal, 45'700);
+  EXPECT_LT(worst_unrounded, 1.0) << "steps of 0.01 degree";
   EXPECT_EQ(intensities, 47962);
 }
 
@@ -168,10 +180,8 @@ Matched match(const std::vector<LidarScan>& scans, const std::filesystem::path& 
 TEST(VelodyneGolden, Vls128AgainstNebula) {
   const std::string pcap = "nebula_VLS128_1614315746471294674.pcap";
   CA2_NEEDS_PACKETS(packet_file("velodyne/" + pcap));
-  LidarDriverOptions options;
-  options.azimuth = VelodyneAzimuth::blocks;
   const LidarModelSpec spec{"VLS-128", {}, packet_file("velodyne/nebula_VLS128.yaml"), 0, 0};
-  const auto scans = decode_file(pcap, spec, nullptr, options);
+  const auto scans = decode_file(pcap, spec, nullptr, as_published());
   const Matched m = match(scans, packet_file("velodyne/nebula_VLS128_1585897255376374245.pcd"), 0.021);
   EXPECT_EQ(m.reference, 208680u);
   EXPECT_GE(m.matched, 208679u);
@@ -180,15 +190,13 @@ TEST(VelodyneGolden, Vls128AgainstNebula) {
 TEST(VelodyneGolden, Vlp16DualAgainstNebula) {
   const std::string pcap = "nebula_VLP16_dual_1673400471837873222.pcap";
   CA2_NEEDS_PACKETS(packet_file("velodyne/" + pcap));
-  LidarDriverOptions options;
-  options.azimuth = VelodyneAzimuth::blocks;
   LidarCounters counters;
-  const auto scans =
-      decode_file(pcap, {"VLP-16", {}, packet_file("velodyne/nebula_VLP16.yaml"), 0, 0}, &counters, options);
+  const LidarModelSpec spec{"VLP-16", {}, packet_file("velodyne/nebula_VLP16.yaml"), 0, 0};
+  const auto scans = decode_file(pcap, spec, &counters, as_published());
   EXPECT_EQ(counters.lidar_packets, 603u);
   const Matched m = match(scans, packet_file("velodyne/nebula_VLP16_dual_1673400472138016708.pcd"), 0.021);
   EXPECT_EQ(m.reference, 14831u);
-  EXPECT_GE(m.matched, 14819u);
+  EXPECT_EQ(m.matched, 14831u);
 }
 
 TEST(VelodyneGolden, SmallCaptures) {

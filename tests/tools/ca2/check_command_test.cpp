@@ -1,4 +1,6 @@
 /// @file check as a person runs it: one line per file on stdout, problems on stderr, the gravest status.
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,17 @@ TEST_F(CheckCommand, ASessionWithoutViewsIsSoundWithAWarning) {
   const Outcome run = run_ca2({"check", session});
   EXPECT_EQ(run.status, 0);
   EXPECT_NE(run.errors.find("views: warning: there are no views yet"), std::string::npos) << run.errors;
+}
+
+TEST_F(CheckCommand, APipeThatNobodyWritesToIsToldAndNotWaitedFor) {
+  for (const char* name : {"pipe.yaml", "pipe.png", "pipe.pcd"}) {
+    ASSERT_EQ(::mkfifo((folder / name).c_str(), 0600), 0);
+    const Outcome run = run_ca2({"check", folder / name});
+    EXPECT_EQ(run.status, 74);
+    EXPECT_NE(run.errors.find("is a pipe that nobody writes to"), std::string::npos) << run.errors;
+  }
+  EXPECT_EQ(run_ca2({"decode", folder / "pipe.yaml", "--model", "VLP-16", "--output", folder / "out"}).status,
+            65);
 }
 
 }  // namespace

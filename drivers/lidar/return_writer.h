@@ -1,0 +1,70 @@
+/// @file Returns into the arrays of a scan, missing ones left out.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/types/scan.h"
+
+namespace ca2 {
+
+/// Beams that were fired together (a column, a block), with or without a return.
+struct FiredBeams {
+  static constexpr int most = 512;
+  alignas(32) float x[most], y[most], z[most];  ///< m
+  alignas(32) float range[most];                ///< m
+};
+
+/// What else is known of their returns.
+struct FiredNames {
+  const std::uint32_t* counts;  ///< by beam, 0: no return
+  const std::uint8_t* intensity;
+  const std::uint16_t* ring;  ///< by beam
+  const std::int32_t* delay;  ///< ns after `time`, by beam, not negative
+  std::uint32_t column;
+  std::int64_t time;  ///< ns
+  int beams;          ///< all arrays are readable up to the next multiple of eight
+};
+
+/// Arrays are written where they are and cut to size at the end: their memory is neither cleared nor copied,
+/// and the system is not asked for it again.
+class ReturnWriter {
+ public:
+  /// Starts over in this scan, which stays where it is; what was in it is lost. `expected`: returns.
+  void begin(Scan& scan, std::size_t expected);
+  void add(const FiredBeams& beams, const FiredNames& names);
+  /// Cuts the arrays to what was written.
+  void finish();
+
+  std::size_t size() const { return size_; }
+
+ private:
+  void resize(std::size_t returns);
+
+  Scan* scan_ = nullptr;
+  std::size_t expected_ = 0;
+  std::size_t room_ = 0;  ///< what the smallest of the arrays holds
+  std::size_t size_ = 0;
+};
+
+namespace detail {
+
+/// Where the next returns go. Up to eight beyond what they return may be overwritten.
+struct ReturnTargets {
+  float* points;
+  float* range;
+  float* intensity;
+  std::uint16_t* ring;
+  std::uint32_t* column;
+  std::int64_t* time;
+};
+/// The number of returns.
+std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names,
+                                   const ReturnTargets& out);
+#if defined(__x86_64__)
+/// The same numbers; only where the processor has AVX2.
+std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
+#endif
+
+}  // namespace detail
+}  // namespace ca2
