@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr milliseconds clock_period{500};    // between readings of the device's clock
 constexpr int first_readings = 5;            // before the first picture is stamped
-constexpr milliseconds first_picture{3000};  // may take this long after the start
+constexpr milliseconds first_picture{2000};  // beyond the silence: the start takes a while
 constexpr milliseconds last_words{200};      // for what was on its way when it stopped
 constexpr std::string_view controls_known[] = {"exposure_us", "gain_db"};
 
@@ -74,8 +74,8 @@ std::string T265Camera::description() const {
 Result<void> T265Camera::start() {
   if (started_) return {};
   queue_.restart();
-  last_number_[0].reset();
-  last_number_[1].reset();
+  pictured_ = false;
+  counts_[0] = counts_[1] = {};
   {
     const std::lock_guard lock(mutex_);
     time_ = {};
@@ -98,7 +98,7 @@ Result<void> T265Camera::start() {
       device_->usb(), UsbReaderOptions{picture_endpoint, false, 8, (picture / 1024 + 1) * 1024}, got, ended);
   events_ = std::make_unique<UsbReader>(device_->usb(), UsbReaderOptions{event_endpoint, true, 2, 1024}, got,
                                         ended);
-  last_picture_ = Clock::now() + first_picture - options_.silence;
+  watch_.begin(Clock::now(), options_.silence / 3, first_picture);
   started_ = true;
   if (auto running = device_->start(); !running) {
     stop();
@@ -129,19 +129,26 @@ void T265Camera::stop() {
 
 CameraPoll T265Camera::next(milliseconds timeout) {
   const auto deadline = Clock::now() + timeout;
+  watch_.look(Clock::now());
+  CameraPoll poll;
   for (;;) {
-    const auto silent = [&] {
-      return started_ ? last_picture_.load() + options_.silence : Clock::time_point::max();
-    };
-    CameraPoll poll = queue_.pop(std::min(deadline, silent()));
-    if (poll.event != CameraEvent::timeout) return poll;
+    const auto until = started_ ? std::min(deadline, *watch_.deadline()) : deadline;
+    poll = queue_.pop(until);
     const auto now = Clock::now();
-    if (now >= silent()) {
-      queue_.lose(formatted("no picture for %g s", 1e-3 * static_cast<double>(options_.silence.count())));
+    if (poll.event == CameraEvent::frame) watch_.sign_of_life(now);
+    if (poll.event != CameraEvent::timeout) break;
+    watch_.overslept(std::max(Clock::duration(0), now - until - milliseconds(1)));
+    if (started_ && now >= *watch_.deadline()) {
+      const auto silence = watch_.silence(now);
+      queue_.lose(silence
+                      ? formatted("no picture for %.3f s", std::chrono::duration<double>(*silence).count())
+                      : std::string("no picture came"));
     } else if (now >= deadline) {
-      return poll;
+      break;
     }
   }
+  watch_.leave(Clock::now());
+  return poll;
 }
 
 void T265Camera::received(ByteSpan bytes) {
@@ -173,14 +180,12 @@ void T265Camera::deliver(const Picture& picture) {
     frame.time = stamp->time;
     frame.time_sigma = stamp->sigma;
   }
-  auto& last = last_number_[stream];
-  if (last && picture.number > *last + 1) missed_ += picture.number - *last - 1;
-  last = picture.number;
+  missed_ += counts_[stream].missing_before(picture.number);
+  pictured_ = true;
   frame.stream = stream;
   frame.sequence = picture.number;
   frame.image = std::make_shared<const Image>(
       Image{entry.width, entry.height, 1, 8, {picture.pixels.begin(), picture.pixels.end()}});
-  last_picture_ = Clock::now();
   queue_.push(std::move(frame));
 }
 
@@ -195,7 +200,7 @@ void T265Camera::happened(const Event& event) {
   switch (event.status) {
     case Status::stopped:
       // Before the first picture it is the last word of an earlier run.
-      if (!last_number_[0] && !last_number_[1]) break;
+      if (!pictured_) break;
       [[fallthrough]];
     case Status::temperature_stop:
     case Status::reset:

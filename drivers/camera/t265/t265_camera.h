@@ -6,11 +6,12 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <thread>
 
 #include "drivers/camera/camera_source.h"
+#include "drivers/camera/frame_count.h"
 #include "drivers/camera/frame_queue.h"
+#include "drivers/camera/frame_watch.h"
 #include "drivers/camera/t265/device.h"
 #include "drivers/camera/t265/device_time.h"
 #include "drivers/camera/t265/exposure.h"
@@ -20,7 +21,8 @@ namespace ca2::t265 {
 
 struct CameraOptions {
   Exposure exposure;
-  std::chrono::milliseconds silence{1000};  ///< without a picture: the device hangs
+  /// Without a picture: the device hangs. Opening again takes a second, so it is not worth a false alarm.
+  std::chrono::milliseconds silence{1000};
 };
 
 class T265Camera : public CameraSource {
@@ -65,10 +67,12 @@ class T265Camera : public CameraSource {
   std::unique_ptr<UsbReader> pictures_, events_;
   std::thread keeper_;
   bool started_ = false;
-  std::atomic<std::chrono::steady_clock::time_point> last_picture_{};
+  FrameWatch watch_;  ///< of the thread that calls next()
   std::atomic<std::uint64_t> incomplete_{0}, missed_{0};
+  // Of the event thread, while the readers live.
   std::uint64_t begin_ = 0;  ///< device time; what is older was left over from an earlier run
-  std::optional<std::uint32_t> last_number_[2];  ///< by stream; only the event thread
+  FrameCount counts_[2];     ///< by stream
+  bool pictured_ = false;    ///< a picture has come since the start
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;

@@ -1,6 +1,8 @@
 /// The driver `t265` against the fake device, in the guest machine (jobs/t265.sh).
+#include <grp.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +16,7 @@
 #include <thread>
 
 #include "drivers/camera/camera_driver.h"
+#include "drivers/usb/usb_devices.h"
 #include "tests/devices/t265/fake_t265.h"
 
 namespace ca2 {
@@ -25,6 +28,14 @@ using Clock = std::chrono::steady_clock;
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
+}
+
+/// What the driver lists; the others' search of the network takes a second.
+std::vector<FoundCamera> listed() {
+  for (const CameraDriver* driver : camera_drivers()) {
+    if (driver->name == "t265") return driver->list().value();
+  }
+  return {};
 }
 
 /// The fake device, plugged in.
@@ -52,9 +63,7 @@ class Fake {
  private:
   static void await(bool there) {
     for (int i = 0; i < 200; ++i, std::this_thread::sleep_for(milliseconds(50))) {
-      bool found = false;
-      for (const FoundCamera& camera : list_cameras().cameras) found = found || camera.driver == "t265";
-      if (found == there) return;
+      if (listed().empty() != there) return;
     }
     ADD_FAILURE() << (there ? "the fake device did not come" : "the fake device did not go");
   }
@@ -141,14 +150,14 @@ std::string wait_for_loss(CameraSource& camera, milliseconds patience) {
 
 TEST(T265, BootsTellsItsCalibrationAndStreams) {
   const Fake fake("loader", "super");
-  ASSERT_EQ(list_cameras().cameras[0].description.find("Intel RealSense T265"), 0u);
-  EXPECT_NE(list_cameras().cameras[0].description.find("without firmware"), std::string::npos);
+  ASSERT_EQ(listed().at(0).description.find("Intel RealSense T265"), 0u);
+  EXPECT_NE(listed().at(0).description.find("without firmware"), std::string::npos);
   const auto camera = open();
   ASSERT_TRUE(camera);
   EXPECT_NE(camera->description().find("serial 908412110993, firmware 0.2.0.951"), std::string::npos)
       << camera->description();
-  EXPECT_EQ(list_cameras().cameras[0].id, test::t265_serial);
-  EXPECT_EQ(list_cameras().cameras[0].problem, "");
+  EXPECT_EQ(listed().at(0).id, test::t265_serial);
+  EXPECT_EQ(listed().at(0).problem, "");
 
   ASSERT_EQ(camera->streams().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -177,9 +186,31 @@ TEST(T265, BootsTellsItsCalibrationAndStreams) {
   check_pairs(*camera, 3);
 }
 
+/// The udev rules: the daemon's group may use the device, with and without firmware, and nobody else.
+TEST(T265, IsForItsGroupOnly) {
+  const group* ours = ::getgrnam("ca2");
+  ASSERT_TRUE(ours);
+  for (const char* kind : {"loader", "camera"}) {
+    const Fake fake(kind, "super");
+    const UsbId ids[] = {{0x03e7, 0x2150}, {0x8087, 0x0b37}};
+    const auto found = list_usb_devices(ids);
+    ASSERT_TRUE(found && found->size() == 1);
+    char node[64];
+    std::snprintf(node, sizeof node, "/dev/bus/usb/%03d/%03d", std::atoi(found->front().port.c_str()),
+                  found->front().address);
+    struct stat status {};
+    for (int i = 0; i < 100; ++i, std::this_thread::sleep_for(milliseconds(50))) {
+      ASSERT_EQ(::stat(node, &status), 0) << node;
+      if (status.st_gid == ours->gr_gid) break;
+    }
+    EXPECT_EQ(status.st_gid, ours->gr_gid) << kind;
+    EXPECT_EQ(status.st_mode & 0777, 0660u) << kind;
+  }
+}
+
 TEST(T265, WorksOnUsb2WhenItIsUpAlready) {
   const Fake fake("camera", "high");
-  EXPECT_NE(list_cameras().cameras[0].problem.find("USB 2"), std::string::npos);
+  EXPECT_NE(listed().at(0).problem.find("USB 2"), std::string::npos);
   const auto camera = open({{"id", test::t265_serial}, {"firmware", "/nowhere"}});
   ASSERT_TRUE(camera);
   EXPECT_NE(camera->description().find("480 Mbit/s"), std::string::npos) << camera->description();
@@ -263,7 +294,7 @@ TEST(T265, HangsWhileStreaming) {
   ASSERT_TRUE(camera->start());
   check_pairs(*camera, 4);
   const auto begin = Clock::now();
-  EXPECT_EQ(wait_for_loss(*camera, seconds(20)), "no picture for 4 s");
+  EXPECT_EQ(wait_for_loss(*camera, seconds(20)).find("no picture for "), 0u);
   EXPECT_LT(Clock::now() - begin, seconds(10));
   camera.reset();
   camera = open();
