@@ -1,4 +1,5 @@
-/// @file `ca2 record packets`: raw datagrams into capture files, without the daemon.
+/// @file `ca2 record packets` and `cameras`: raw datagrams into capture files, pictures into a recording,
+/// without the daemon.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -9,9 +10,11 @@
 
 #include "drivers/net/pcap_writer.h"
 #include "drivers/net/udp_source.h"
+#include "tools/ca2/camera_source_text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/interrupt.h"
 #include "tools/ca2/packet_report.h"
+#include "tools/ca2/record_cameras.h"
 
 namespace ca2 {
 namespace {
@@ -180,7 +183,20 @@ CommandBody setup_record(CLI::App& app) {
   packets->add_flag("--overwrite", options->overwrite, "Replace existing files");
   packets->add_flag("--share", options->share, "Share the ports with programs that share them too");
   packets->add_flag("--json", options->as_json, "Report for programs");
-  return [options] { return run_packets(*options); };
+  CLI::App* cameras = app.add_subcommand("cameras", "Pictures into a recording's folders; needs no daemon");
+  auto camera_options = std::make_shared<CameraRecordingOptions>();
+  cameras
+      ->add_option("camera", camera_options->cameras, "NAME=driver:option=value,option=value, one or several")
+      ->required();
+  cameras->add_option("--output", camera_options->output, "The recording: OUTPUT/cameras/NAME/<utc_ns>.png")
+      ->required();
+  cameras->add_option("--duration", camera_options->duration, "Seconds; default: until Ctrl-C")
+      ->check(CLI::NonNegativeNumber);
+  cameras->add_flag("--json", camera_options->as_json, "Report for programs");
+  cameras->footer(camera_drivers_help());
+  return [options, camera_options, cameras] {
+    return cameras->parsed() ? record_cameras(*camera_options) : run_packets(*options);
+  };
 }
 
 }  // namespace ca2

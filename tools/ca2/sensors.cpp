@@ -1,13 +1,15 @@
-/// @file `ca2 sensors`: listens, and names the LiDARs it hears.
+/// @file `ca2 sensors`: lists the cameras that are there; listens, and names the LiDARs it hears.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_source.h"
 #include "drivers/survey/survey.h"
+#include "tools/ca2/camera_source_text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/configurable_sensor.h"
 #include "tools/ca2/interrupt.h"
@@ -25,6 +27,7 @@ struct Options {
   std::string group, interface;
   std::vector<std::string> probe_hosts;  // empty: those heard
   bool share = false, probe = false, as_json = false;
+  bool only_cameras = false, controls = false;
 };
 
 const std::vector<std::uint16_t> default_ports{7502, 7503, 2368, 8308};
@@ -164,28 +167,53 @@ Result<int> ask(const Options& options) {
   return fail(ErrorCode::unavailable, "", "not every sensor answered");
 }
 
+/// Looking for cameras takes a second, and goes on while LiDARs are listened to.
+json find_cameras(const Options& options, std::vector<std::string>& warnings) {
+  if (!options.pcap.empty() || !options.ports.empty()) return json::array();
+  const CameraListing listing = list_cameras();
+  for (const Problem& problem : listing.problems) {
+    warnings.push_back(Error(ErrorCode::unavailable, problem.where, problem.what, problem.hint).text());
+  }
+  return cameras_json(listing, options.controls);
+}
+
 Result<int> run(const Options& options) {
   if (!options.probe_hosts.empty()) return ask(options);
   Heard heard;
-  const Result<void> done = options.pcap.empty() ? listen(options, heard) : read_capture(options, heard);
-  if (!done && heard.survey.streams().empty()) return fail(done.error());
+  std::vector<std::string> camera_warnings;
+  auto looking = std::async(std::launch::async, [&] { return find_cameras(options, camera_warnings); });
+  Result<void> done;
+  if (!options.pcap.empty()) {
+    done = read_capture(options, heard);
+  } else if (!options.only_cameras) {
+    done = listen(options, heard);
+  }
+  const json cameras = looking.get();
+  heard.warnings.insert(heard.warnings.end(), camera_warnings.begin(), camera_warnings.end());
+  const bool nothing = heard.survey.streams().empty() && cameras.empty();
+  if (!done && nothing) return fail(done.error());
   const json probed =
       options.probe && options.pcap.empty() ? probe_all(options, heard.survey) : json::object();
   if (options.as_json) {
-    json report = {{"streams", streams_json(heard.survey)},
+    json report = {{"cameras", cameras},
+                   {"streams", streams_json(heard.survey)},
                    {"counters", counters_json(heard.counters)},
                    {"warnings", heard.warnings}};
     if (options.probe) report["probe"] = probed;
     std::printf("%s\n", report.dump(2, ' ', false, json::error_handler_t::replace).c_str());
   } else {
     for (const std::string& warning : heard.warnings) std::fprintf(stderr, "ca2: %s\n", warning.c_str());
+    print_cameras(cameras);
     print_streams(heard.survey, probed);
     if (heard.counters.lost() > 0) print_counters(stdout, heard.counters);
   }
   if (!done) return fail(done.error());
-  if (heard.survey.streams().empty()) {
-    return fail(ErrorCode::unavailable, options.pcap.string(), "nothing heard",
-                "is the sensor on, and does it send to this host and these ports? (`--port`)");
+  if (nothing) {
+    return fail(ErrorCode::unavailable, options.pcap.string(),
+                options.only_cameras ? "there is no camera" : "no camera is there and nothing was heard",
+                options.only_cameras
+                    ? "is it plugged in and powered?"
+                    : "is the sensor on, and does it send to this host and these ports? (`--port`)");
   }
   return 0;
 }
@@ -194,7 +222,7 @@ Result<int> run(const Options& options) {
 
 CommandBody setup_sensors(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("--port", options->ports, "UDP ports; default 7502 7503 2368 8308");
+  app.add_option("--port", options->ports, "Only LiDARs, on these UDP ports; default 7502 7503 2368 8308");
   app.add_option("--duration", options->duration, "Seconds to listen")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
@@ -209,6 +237,8 @@ CommandBody setup_sensors(CLI::App& app) {
              "Ask the sensors heard about themselves over HTTP (reads only); with HOST or HOST:PORT,\n"
              "ask these and do not listen")
           ->expected(0, -1);
+  app.add_flag("--cameras", options->only_cameras, "Only cameras: does not listen");
+  app.add_flag("--controls", options->controls, "Open each camera and print what can be set");
   app.add_flag("--json", options->as_json, "For programs");
   return [options, probe] {
     options->probe = probe->count() > 0;
