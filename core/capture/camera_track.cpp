@@ -107,7 +107,34 @@ std::optional<CameraStillness> CameraTrack::stillness(std::int64_t now, double b
     if (is_still) still.since = at->time;
     if (!is_still && still.newest - at->time > window) break;
   }
+  still.since = settled(still, newest);
   return still;
+}
+
+/// Hands come to rest slowly: the hold begins where the corners are within half the limit of where they are
+/// in its second half.
+std::int64_t CameraTrack::settled(const CameraStillness& still, const Pixels& newest) const {
+  const std::vector<const CameraObservation*> pictures = between(still.since, still.newest);
+  Pixels mean(newest.size());
+  std::vector<double> count(newest.size(), 0);
+  std::vector<Pixels> aligned_pictures;
+  for (const CameraObservation* picture : pictures) {
+    const Pixels& pixels = aligned_pictures.emplace_back(aligned(picture->corners, newest));
+    if (picture->time < still.newest - (still.newest - still.since) / 2) continue;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (!pixels[i]) continue;
+      mean[i] = mean[i].value_or(Eigen::Vector2d::Zero()) + *pixels[i];
+      ++count[i];
+    }
+  }
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    if (mean[i]) *mean[i] /= count[i];
+  }
+  const double limit = std::max(least_motion, still.limit / 2);
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    if (distance(aligned_pictures[k], mean) <= limit) return pictures[k]->time;
+  }
+  return still.newest;
 }
 
 std::vector<const CameraObservation*> CameraTrack::between(std::int64_t first, std::int64_t last) const {

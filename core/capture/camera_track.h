@@ -43,6 +43,8 @@ class CameraTrack {
   std::vector<std::optional<Eigen::Vector2d>> aligned(
       const std::vector<Corner>& corners, const std::vector<std::optional<Eigen::Vector2d>>& reference) const;
   double pixels_per_metre(const std::vector<Corner>& corners) const;
+  std::int64_t settled(const CameraStillness& still,
+                       const std::vector<std::optional<Eigen::Vector2d>>& newest) const;
 
   const Board& board_;
   std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first

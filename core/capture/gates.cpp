@@ -11,7 +11,7 @@ namespace ca2 {
 namespace {
 
 // Pixels: smaller squares leave no room for the fit of a corner.
-constexpr double least_square = 6;
+constexpr double least_square = 4.5;
 // Pixels, standard deviation of a corner in one picture. Sharp ones reach a few hundredths.
 constexpr double most_corner_sigma = 0.35;
 // Beyond, a print fills too few pixels, and returns scatter along the surface.

@@ -17,7 +17,7 @@ namespace {
 // A plane needs three views; before that there is nothing to ask the solver.
 constexpr std::size_t fewest_views = 3;
 // While a hold is refused, it is looked at again so often: something in the way may go.
-constexpr std::int64_t retry = 250'000'000;  // ns
+constexpr std::int64_t retry = 100'000'000;  // ns
 
 /// How long since a hold was looked at, and what came of it. A hold lasts until the board moves on.
 struct Hold {
