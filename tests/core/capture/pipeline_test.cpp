@@ -196,7 +196,7 @@ TEST(Pipeline, WithoutALidarThereIsNoViewAndAReason) {
 
 TEST(Pipeline, GatesGiveTheirReasons) {
   Script script;
-  script.T_camera_board = [](double) { return board_at(0, 0, 6); };
+  script.T_camera_board = [](double) { return board_at(0, 0, 8); };
   CapturePipeline pipeline(script.rig, {}, {});
   script.run(pipeline, 0, 2);
   EXPECT_TRUE(said(script, "rejected", "too far from left"));
