@@ -20,7 +20,7 @@ struct UsbId {
 
 struct UsbDeviceInfo {
   UsbId id;
-  std::string port;  ///< place, "2-1.3": bus, then ports; a device that comes back as another keeps it
+  std::string port;          ///< place, "2-1.3": bus, then ports
   std::uint8_t address = 0;  ///< on its bus; a new one each time it comes back
   int megabits = 0;          ///< per second, of the connection; 0: unknown
   std::string serial;        ///< its serial number string; empty when it has none

@@ -15,7 +15,7 @@ namespace {
 using namespace t265;
 
 constexpr CameraOption options_known[] = {
-    {"id", "serial number, or place on the bus as \"2-1.3\"; the only T265 by default", true},
+    {"id", "serial number, the 12 hexadecimal digits on its label; the only T265 by default", true},
     {"firmware", "path of target-0.2.0.951.mvcmd, which a T265 needs after power-up"},
     {"firmware_sha1", "of the firmware file, when it is another one"},
     {"exposure_us", "us, 200 to 16000, for both imagers; automatic by default"},
@@ -27,12 +27,13 @@ struct Wanted {
   std::string firmware, sha1;
 };
 
-bool same_serial(const std::string& a, const std::string& b) {
-  return ::strcasecmp(a.c_str(), b.c_str()) == 0;
+/// As on the label: USB has four more digits, which are zero.
+std::string serial_of(const UsbDeviceInfo& camera) {
+  return camera.serial.substr(0, 12);
 }
 
-bool is_place(const std::string& id) {
-  return id.find('-') != std::string::npos;
+bool is_wanted(const UsbDeviceInfo& camera, const Wanted& wanted) {
+  return wanted.id.empty() || ::strcasecmp(serial_of(camera).c_str(), wanted.id.c_str()) == 0;
 }
 
 /// Loads the firmware only when it is needed: a camera that is up works without the file.
@@ -53,10 +54,11 @@ Result<UsbDeviceInfo> find_camera(const Wanted& wanted) {
   if (!devices) return fail(devices.error());
   std::vector<UsbDeviceInfo> cameras, loaders;
   for (const UsbDeviceInfo& device : *devices) {
-    if (is_place(wanted.id) && device.port != wanted.id) continue;
-    const bool up = device.id == camera_id;
-    if (up && !wanted.id.empty() && !is_place(wanted.id) && !same_serial(device.serial, wanted.id)) continue;
-    (up ? cameras : loaders).push_back(device);
+    if (device.id == boot_id) {
+      loaders.push_back(device);
+    } else if (is_wanted(device, wanted)) {
+      cameras.push_back(device);
+    }
   }
   if (wanted.id.empty() && cameras.size() + loaders.size() > 1) {
     return fail(ErrorCode::config, "T265", formatted("%zu are connected", cameras.size() + loaders.size()),
@@ -66,7 +68,7 @@ Result<UsbDeviceInfo> find_camera(const Wanted& wanted) {
   for (const UsbDeviceInfo& loader : loaders) {
     auto camera = bring_up(loader, wanted);
     if (!camera) return camera;
-    if (wanted.id.empty() || is_place(wanted.id) || same_serial(camera->serial, wanted.id)) return camera;
+    if (is_wanted(*camera, wanted)) return camera;
   }
   return fail(ErrorCode::unavailable, "T265",
               wanted.id.empty() ? "none is connected" : "'" + wanted.id + "' is not connected",
@@ -80,9 +82,8 @@ Result<std::unique_ptr<Device>> open_device(const Wanted& wanted) {
   if (!camera) return fail(camera.error());
   auto device = Device::open(*camera);
   if (device || device.error().code != ErrorCode::io) return device;
-  const auto loader = reset(*camera);
-  if (!loader) return fail(loader.error());
-  const auto again = bring_up(*loader, wanted);
+  if (const auto restarted = reset(*camera); !restarted) return fail(restarted.error());
+  const auto again = find_camera(wanted);
   if (!again) return fail(again.error());
   return Device::open(*again);
 }
@@ -116,9 +117,11 @@ Result<std::vector<FoundCamera>> list() {
     FoundCamera found;
     found.driver = "t265";
     const bool up = device.id == camera_id;
-    found.id = up && !device.serial.empty() ? device.serial : device.port;
+    found.id = up ? serial_of(device) : device.port;
     found.description = "Intel RealSense T265, USB " + device.port + (up ? "" : ", without firmware yet");
-    found.source = {{"driver", "t265"}, {"id", found.id}};
+    found.source = {{"driver", "t265"}};
+    // A boot loader does not know its serial number.
+    if (up) found.source["id"] = found.id;
     if (!up) found.source["firmware"] = "target-0.2.0.951.mvcmd";
     // A boot loader is slow whatever it is plugged into.
     if (up && device.megabits > 0 && device.megabits < 5000) {

@@ -1,7 +1,6 @@
 #include "drivers/camera/t265/boot.h"
 
 #include <algorithm>
-#include <optional>
 #include <thread>
 
 #include "core/types/text.h"
@@ -17,17 +16,20 @@ using Clock = std::chrono::steady_clock;
 /// Bytes per transfer; a multiple of every packet size, so that only the last packet can be a short one.
 constexpr std::size_t chunk = 1u << 18;
 
-/// Waits for a device of that id at a place.
-Result<UsbDeviceInfo> wait_for(UsbId id, const std::string& port, milliseconds patience) {
+/// Waits for a device of that id that is not one of `before`.
+Result<UsbDeviceInfo> wait_for(UsbId id, const std::vector<UsbDeviceInfo>& before, milliseconds patience) {
   const auto deadline = Clock::now() + patience;
   for (;;) {
     const auto found = list_usb_devices(std::span(&id, 1));
     if (!found) return fail(found.error());
     for (const UsbDeviceInfo& info : *found) {
-      if (info.port == port) return info;
+      const auto same = [&](const UsbDeviceInfo& old) {
+        return old.port == info.port && old.address == info.address;
+      };
+      if (std::none_of(before.begin(), before.end(), same)) return info;
     }
     if (Clock::now() >= deadline) {
-      return fail(ErrorCode::unavailable, "T265, USB " + port,
+      return fail(ErrorCode::unavailable, "T265",
                   formatted("did not come back as %04x:%04x within %g s", id.vendor, id.product,
                             std::chrono::duration<double>(patience).count()),
                   "unplug it and plug it in again; a hub needs power of its own");
@@ -55,6 +57,8 @@ Result<std::vector<UsbDeviceInfo>> list_devices() {
 
 Result<UsbDeviceInfo> boot(const UsbDeviceInfo& loader, const std::string& firmware, milliseconds patience) {
   const std::string where = "T265, USB " + loader.port;
+  const auto before = list_usb_devices(std::span(&camera_id, 1));
+  if (!before) return fail(before.error());
   {
     const auto device = open_fresh(loader);
     if (!device) return fail(device.error());
@@ -73,17 +77,20 @@ Result<UsbDeviceInfo> boot(const UsbDeviceInfo& loader, const std::string& firmw
                   "unplug it and plug it in again");
     }
   }
-  return wait_for(camera_id, loader.port, patience);
+  return wait_for(camera_id, *before, patience);
 }
 
-Result<UsbDeviceInfo> reset(const UsbDeviceInfo& camera, milliseconds patience) {
+Result<void> reset(const UsbDeviceInfo& camera, milliseconds patience) {
+  const auto before = list_usb_devices(std::span(&boot_id, 1));
+  if (!before) return fail(before.error());
   {
     const auto device = open_fresh(camera);
     if (!device) return fail(device.error());
     // Whatever it answers: it is gone before it could say so.
     (*device)->vendor_request(reset_request, seconds(1));
   }
-  return wait_for(boot_id, camera.port, patience);
+  if (const auto loader = wait_for(boot_id, *before, patience); !loader) return fail(loader.error());
+  return {};
 }
 
 }  // namespace ca2::t265

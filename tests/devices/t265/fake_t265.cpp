@@ -1,8 +1,8 @@
 /// A T265 on raw_gadget, written from the description of its protocol, not from the driver:
 ///   fake_t265 loader|camera SPEED FIRMWARE [FAULT[=NUMBER]]
-/// SPEED is `high` or `super` (USB 2 or 3). The loader takes as many bytes as the file FIRMWARE has and comes
-/// back as the camera when they are the same, as the loader again when not. The camera comes back as the
-/// loader when it is reset, without its fault. Faults:
+/// SPEED is `high` or `super`: the camera's, USB 2 or 3. The loader takes as many bytes as the file FIRMWARE
+/// has and comes back as the camera when they are the same, as the loader again when not. The camera comes
+/// back as the loader when it is reset, without its fault. Faults:
 ///   silent       answers nothing                   hangs=N      answers and sends nothing after N pairs of
 ///   pictures stammers     damaged answers                   noise        damaged messages between the
 ///   pictures uncalibrated has lost its calibration          nonsense     calibration numbers that are none
@@ -357,7 +357,8 @@ class Camera {
 [[noreturn]] void be_loader(char** arguments) {
   std::ifstream file(arguments[3], std::ios::binary);
   const Bytes firmware{std::istreambuf_iterator<char>(file), {}};
-  RawGadget gadget({0x03e7, 0x2150, std::string(arguments[2]) == "super", "", {{0x01}, {0x81}}});
+  // A USB 2 device whatever it becomes, and with the same number for all.
+  RawGadget gadget({0x03e7, 0x2150, false, "03e72150", {{0x01}, {0x81}}});
   gadget.serve(
       [&] {
         std::thread([&gadget, &firmware, arguments] {
@@ -380,7 +381,7 @@ class Camera {
   RawGadget gadget({0x8087,
                     0x0b37,
                     std::string(arguments[2]) == "super",
-                    t265_serial,
+                    t265_serial + std::string("0000"),
                     {{0x81}, {0x01}, {0x02}, {0x82}, {0x83, true}}});
   Camera camera(gadget, arguments[4] ? arguments[4] : "");
   gadget.serve([&] { camera.start_threads(); },
