@@ -5,76 +5,11 @@
 #include <limits>
 
 #include "core/guidance/candidate_poses.h"
+#include "core/guidance/pair_model.h"
 #include "core/types/text.h"
 
 namespace ca2 {
 namespace {
-
-// Corners are known no better than the lens' model is, whatever their noise.
-constexpr double least_corner_sigma = 0.03;   // px
-constexpr double default_range_sigma = 0.01;  // m
-// Of a LiDAR never calibrated: enough that the sums are finite.
-constexpr double vague_bias = 0.02;  // m
-
-/// A board that a camera and a LiDAR both saw.
-struct Seen {
-  Pose T_camera_board;
-  std::size_t returns = 0;
-};
-
-/// The views in use that both sensors have; of the LiDAR's hypotheses the one nearest to where the camera has
-/// the board.
-std::vector<Seen> views_of_pair(const Calibration& calibration, const std::vector<ViewSights>& views,
-                                std::size_t camera, std::size_t lidar, const Pose& T_camera_lidar) {
-  std::vector<Seen> seen;
-  for (const ViewSights& view : views) {
-    const bool used = std::any_of(calibration.views.begin(), calibration.views.end(),
-                                  [&](const auto& v) { return v.id == view.id && v.used; });
-    if (!used || !view.cameras[camera] || view.lidars[lidar].empty()) continue;
-    const Pose& T_camera_board = view.cameras[camera]->pose.T_camera_board;
-    const Eigen::Vector3d centre = T_camera_lidar.inverse() * T_camera_board.t;
-    const auto nearest = std::min_element(view.lidars[lidar].begin(), view.lidars[lidar].end(),
-                                          [&](const LidarSight& a, const LidarSight& b) {
-                                            return (a.center - centre).norm() < (b.center - centre).norm();
-                                          });
-    seen.push_back({T_camera_board, nearest->on_board.size()});
-  }
-  return seen;
-}
-
-double returns_per_steradian(const std::vector<Seen>& seen, const Outline& extent,
-                             const Pose& T_camera_lidar) {
-  std::vector<double> densities;
-  for (const Seen& view : seen) {
-    const Pose T_lidar_board = T_camera_lidar.inverse() * view.T_camera_board;
-    const double distance = T_lidar_board.t.norm();
-    const double facing = std::abs(T_lidar_board.R.col(2).dot(T_lidar_board.t)) / distance;
-    densities.push_back(static_cast<double>(view.returns) * distance * distance /
-                        (extent.width * extent.height * std::max(facing, 0.1)));
-  }
-  const auto middle = densities.begin() + static_cast<std::ptrdiff_t>(densities.size() / 2);
-  std::nth_element(densities.begin(), middle, densities.end());
-  return *middle;
-}
-
-const CalibratedTransform* worst_pair(const Rig& rig, const Calibration& calibration,
-                                      const SigmaTarget& target) {
-  const auto cost = [&](const CalibratedTransform& t) {
-    return std::pow(t.sigma_translation() / target.translation, 2) +
-           std::pow(t.sigma_rotation() / target.rotation, 2);
-  };
-  const CalibratedTransform* worst = nullptr;
-  for (const CalibratedTransform& transform : calibration.transforms) {
-    if (rig.cameras.count(transform.parent) == 0 || rig.lidars.count(transform.child) == 0) continue;
-    if (worst == nullptr || cost(transform) > cost(*worst)) worst = &transform;
-  }
-  return worst;
-}
-
-template <class Map>
-std::size_t index_of(const Map& map, const std::string& name) {
-  return static_cast<std::size_t>(std::distance(map.begin(), map.find(name)));
-}
 
 int rounded_degrees(double angle) {
   return 5 * static_cast<int>(std::lround(angle * 180 / M_PI / 5));
@@ -116,53 +51,37 @@ std::optional<NextPose> suggest_next_pose(const Rig& rig, const Calibration& cal
                                           const std::vector<ViewSights>& views,
                                           const std::vector<ElevationRange>& lidars,
                                           const SigmaTarget& target) {
-  const CalibratedTransform* pair = worst_pair(rig, calibration, target);
-  if (pair == nullptr) return std::nullopt;
-  const std::size_t c = index_of(rig.cameras, pair->parent);
-  const std::size_t l = index_of(rig.lidars, pair->child);
-  const auto camera = calibration.cameras.find(pair->parent);
-  const auto lidar = calibration.lidars.find(pair->child);
-  const std::vector<Seen> seen = views_of_pair(calibration, views, c, l, pair->T_parent_child);
-  if (seen.empty() || camera == calibration.cameras.end()) return std::nullopt;
-
-  SightModel model;
-  model.board = rig.board;
-  model.camera = camera->second.camera;
-  model.T_camera_lidar = pair->T_parent_child;
-  model.corner_sigma = std::max(least_corner_sigma, calibration.validation.reprojection_rms);
-  model.range_sigma = default_range_sigma;
-  if (lidar != calibration.lidars.end() && lidar->second.range_sigma > 0) {
-    model.range_sigma = lidar->second.range_sigma;
-  }
-  model.returns_per_steradian = returns_per_steradian(seen, rig.board.extent(), pair->T_parent_child);
-  if (l < lidars.size()) model.lowest = lidars[l].low, model.highest = lidars[l].high;
-
-  PairInformation known = bias_prior(vague_bias);
-  for (const Seen& view : seen) known += view_information(model, view.T_camera_board);
+  const std::optional<PairModel> pair = worst_pair_model(rig, calibration, views, lidars, target);
+  if (!pair) return std::nullopt;
+  PairInformation known = pair->prior;
+  for (const PairInformation& view : pair->information) known += view;
   const ExpectedSigma now = expected_sigma(known, target);
   const Pose* best = nullptr;
   ExpectedSigma after;
   after.cost = std::numeric_limits<double>::infinity();
-  const std::vector<Pose> candidates = candidate_poses(rig.board, model.camera);
+  const std::vector<Pose> candidates = candidate_poses(rig.board, pair->model.camera);
   for (const Pose& pose : candidates) {
-    const ExpectedSigma here = expected_sigma(known + view_information(model, pose), target);
+    // LiDARs are blind close by; how close, only the views tell.
+    const Eigen::Vector3d center = pair->transform.T_parent_child.inverse() * pose.t;
+    if (center.norm() < 0.7 * pair->nearest) continue;
+    const ExpectedSigma here = expected_sigma(known + view_information(pair->model, pose), target);
     if (here.cost < after.cost) best = &pose, after = here;
   }
   if (best == nullptr) return std::nullopt;
   NextPose next;
   next.words = pose_in_words(*best);
-  next.camera = pair->parent;
+  next.camera = pair->transform.parent;
   next.T_camera_board = *best;
   // The model says by how much the pose helps; how good the answer is now, the solver knows better.
-  next.sigma_translation = pair->sigma_translation() * after.translation / now.translation;
-  next.sigma_rotation = pair->sigma_rotation() * after.rotation / now.rotation;
+  next.sigma_translation = pair->transform.sigma_translation() * after.translation / now.translation;
+  next.sigma_rotation = pair->transform.sigma_rotation() * after.rotation / now.rotation;
   return next;
 }
 
 std::optional<NextPose> suggest_first_pose(const Rig& rig, const std::vector<ViewSights>& views) {
   for (const auto& [name, camera] : rig.cameras) {
     if (!camera.intrinsics) continue;
-    const std::size_t c = index_of(rig.cameras, name);
+    const auto c = static_cast<std::size_t>(std::distance(rig.cameras.begin(), rig.cameras.find(name)));
     const Pose* best = nullptr;
     double widest = -1;
     const std::vector<Pose> candidates = candidate_poses(rig.board, *camera.intrinsics);

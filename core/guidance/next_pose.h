@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/features/sights.h"
-#include "core/guidance/view_information.h"
+#include "core/guidance/pair_model.h"
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
 
@@ -19,11 +19,6 @@ struct NextPose {
   Pose T_camera_board;
   double sigma_translation = 0;  ///< m, expected after it; infinite where there is no answer yet
   double sigma_rotation = 0;     ///< rad
-};
-
-/// The rings of a LiDAR, as elevation above its x-y plane, rad.
-struct ElevationRange {
-  double low = -M_PI / 2, high = M_PI / 2;
 };
 
 /// The pose within sight of both sensors of the rig's worst known camera-LiDAR pair that lowers its sigmas

@@ -28,6 +28,9 @@ CommandBody setup_solve(CLI::App& app) {
       ->check(CLI::IsMember({"joint", "plane_to_plane", "kim"}))
       ->capture_default_str();
   app.add_option("--views", arguments->views, "Use these views only, like 1,4,7-9");
+  app.add_option("--best", arguments->best,
+                 "Use only the so many views that together determine the answer best")
+      ->check(CLI::Range(3, 100000));
   app.add_flag("--json", arguments->json, "Print the result as JSON");
   app.add_flag("--no-cache", arguments->no_cache, "Search every picture and cloud again, keep nothing");
   app.add_option("--threads", arguments->threads, "Threads for the search (default: one per core)")

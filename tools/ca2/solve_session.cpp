@@ -1,9 +1,11 @@
 #include "tools/ca2/solve_session.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "core/features/extract.h"
+#include "core/guidance/next_pose.h"
 #include "core/io/files.h"
 #include "core/session/session.h"
 #include "core/solve/calibrate.h"
@@ -48,6 +50,40 @@ void print_true_errors(const Session& session, const Calibration& calibration) {
   }
 }
 
+/// The answer of the best `count` views; the others are listed as left out.
+Result<Calibration> calibrate_best(const Extraction& features, const Calibration& all, std::size_t count,
+                                   const CalibrateOptions& options) {
+  const std::vector<int> ids = best_views(features.rig, all, features.views, count, {});
+  const auto chosen = [&](int id) { return std::binary_search(ids.begin(), ids.end(), id); };
+  std::vector<ViewSights> views;
+  for (const ViewSights& view : features.views) {
+    if (chosen(view.id)) views.push_back(view);
+  }
+  Result<Calibration> best = calibrate(features.rig, views, options);
+  if (!best) return best;
+  for (const CalibratedView& view : all.views) {
+    if (chosen(view.id)) continue;
+    CalibratedView left_out{view.id, false, view.reason, 0, 0};
+    if (view.used) left_out.reason = "not among the best " + std::to_string(count);
+    best->views.push_back(left_out);
+  }
+  std::sort(best->views.begin(), best->views.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return best;
+}
+
+/// What would help most, unless the answer is good enough for most uses.
+void print_next_pose(const Extraction& features, const Calibration& calibration) {
+  const SigmaTarget target;
+  const auto next = suggest_next_pose(features.rig, calibration, features.views, {}, target);
+  const bool reached = std::all_of(
+      calibration.transforms.begin(), calibration.transforms.end(), [&](const CalibratedTransform& t) {
+        return t.sigma_translation() <= target.translation && t.sigma_rotation() <= target.rotation;
+      });
+  if (reached || !next) return;
+  std::printf("next: show the board %s (%s): expect %.2f mm, %.2f mrad\n", next->words.c_str(),
+              next->camera.c_str(), 1e3 * next->sigma_translation, 1e3 * next->sigma_rotation);
+}
+
 }  // namespace
 
 Result<int> solve_session(const SolveArguments& arguments) {
@@ -79,7 +115,10 @@ Result<int> solve_session(const SolveArguments& arguments) {
                    : arguments.method == "plane_to_plane" ? Method::plane_to_plane
                                                           : Method::joint;
   options.estimated = features->estimated;
-  const Result<Calibration> calibration = calibrate(features->rig, features->views, options);
+  Result<Calibration> calibration = calibrate(features->rig, features->views, options);
+  if (calibration && arguments.best > 0) {
+    calibration = calibrate_best(*features, *calibration, static_cast<std::size_t>(arguments.best), options);
+  }
   if (!calibration) {
     set_aside(output);
     return fail(calibration.error());
@@ -91,6 +130,7 @@ Result<int> solve_session(const SolveArguments& arguments) {
   } else {
     std::printf("%s", describe(*calibration).c_str());
     print_true_errors(*session, *calibration);
+    print_next_pose(*features, *calibration);
     std::printf("written to %s\n", output.string().c_str());
   }
   return 0;

@@ -13,6 +13,7 @@ struct SolveArguments {
   std::string output;  ///< empty: SESSION/result.yaml
   std::string method = "joint";
   std::string views;
+  int best = 0;  ///< so many of the views, those that determine the answer best; 0: all
   bool json = false;
   bool no_cache = false;
   int threads = 0;

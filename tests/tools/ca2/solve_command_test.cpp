@@ -125,6 +125,26 @@ TEST_F(SolveCommand, MethodsViewsAndOutputAreAsAsked) {
   EXPECT_EQ(used_views(some), (std::vector<int>{1, 3, 4, 5}));
 }
 
+TEST_F(SolveCommand, TheBestViewsAreNearlyAsGoodAsAll) {
+  const fs::path best = folder / "best.yaml", all = folder / "all.yaml";
+  const Outcome run = solve({"--best", "5", "-o", best});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  ASSERT_EQ(solve({"-o", all}).status, 0);
+  EXPECT_EQ(used_views(best).size(), 5u);
+  const auto chosen = read_calibration(best), everything = read_calibration(all);
+  ASSERT_TRUE(chosen && everything);
+  EXPECT_EQ(chosen->views.size(), static_cast<std::size_t>(view_count));
+  EXPECT_LE(chosen->transforms[0].sigma_translation(), 1.5 * everything->transforms[0].sigma_translation());
+  EXPECT_NE(run.output.find("not among the best 5"), std::string::npos);
+}
+
+TEST_F(SolveCommand, TellsTheNextPoseUntilTheTargetIsReached) {
+  EXPECT_EQ(solve().output.find("next: show the board"), std::string::npos);
+  const Outcome few = solve({"--views", "1-3"});
+  ASSERT_EQ(few.status, 0) << few.errors;
+  EXPECT_NE(few.output.find("next: show the board"), std::string::npos) << few.output;
+}
+
 TEST_F(SolveCommand, CacheAndThreadsDoNotChangeAByte) {
   ASSERT_EQ(solve().status, 0);
   const std::string first = bytes_of(result());
