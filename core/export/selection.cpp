@@ -71,11 +71,14 @@ Result<std::vector<ExportCamera>> select_cameras(const ExportRequest& request, c
       return inexpressible(format, "camera '" + name + "' has no picture size, which the format needs",
                            "give image_size in session.yaml and solve again");
     }
+    cameras.push_back({name, &calibrated, {}});
+    const std::vector<std::string> lidars = lidar_names(request.calibration);
+    if (lidars.empty() && request.children.empty()) continue;  // calibrated alone
     ExportRequest of_camera = request;
     of_camera.parent = name;
-    auto transforms = select_tree(of_camera, name, lidar_names(request.calibration));
+    auto transforms = select_tree(of_camera, name, lidars);
     if (!transforms) return fail(transforms.error());
-    cameras.push_back({name, &calibrated, std::move(*transforms)});
+    cameras.back().transforms = std::move(*transforms);
   }
   if (cameras.empty()) {
     return inexpressible(format, "'" + request.parent + "' is no camera of this calibration",

@@ -4,8 +4,7 @@
 #include <charconv>
 #include <filesystem>
 
-#include "core/io/files.h"
-#include "core/io/jpeg.h"
+#include "core/io/read_picture.h"
 #include "drivers/camera/camera_driver.h"
 #include "drivers/camera/host_time.h"
 #include "drivers/net/pacer.h"
@@ -25,13 +24,6 @@ constexpr CameraOption options_known[] = {
     {"path", "folder of <utc_ns>.png or .jpg files", true},
     {"speed", "1 as recorded (default), 2 twice as fast, 0 as fast as they are taken"},
     {"stamps", "recorded (default): the files' times; live: the host's clock when a picture is due"}};
-
-Result<Image> read_picture(const std::filesystem::path& path) {
-  if (path.extension() == ".png") return read_png(path);
-  const auto bytes = read_text(path);
-  if (!bytes) return fail(bytes.error());
-  return decode_jpeg(*bytes, path.string());
-}
 
 Result<std::vector<File>> list_pictures(const std::filesystem::path& folder) {
   std::error_code code;
