@@ -37,6 +37,12 @@ forbid core/export 'core/(features|intrinsics|lidar|solve|report|capture)/'
 impure=$(grep -rnE '^#include <(sys/socket|netinet/|arpa/|linux/|spdlog|chrono|ctime|iostream|libusb|arv)' core --include=*.h --include=*.cpp)
 [ -z "$impure" ] || { echo "core must be pure:"; echo "$impure"; bad=1; }
 
+# A registry's row is there once: two merged versions of one row would register it twice.
+while read -r table; do
+  twice=$(grep -oE '^[A-Z0-9_]+\([^,)]+' "$table" | sort | uniq -d)
+  [ -z "$twice" ] || { echo "$table has rows twice:"; echo "$twice"; bad=1; }
+done < <(find core drivers tools messages -name '*.def' 2>/dev/null)
+
 # Files stay small.
 while read -r lines file; do
   [ "$file" != total ] && [ "$lines" -gt 450 ] && { echo "$file has $lines lines, 450 are the most"; bad=1; }

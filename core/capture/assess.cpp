@@ -13,8 +13,6 @@ namespace {
 constexpr double stopped = 0.25;
 // Of the scans that fit into the dwell; the others may have begun before it, or be lost.
 constexpr double enough_scans = 0.7;
-// Dwells after which a LiDAR that delivers too few scans holds nobody up any more.
-constexpr double patience = 2.5;
 
 std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
   std::string list;
@@ -79,7 +77,7 @@ Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int6
     return a;
   }
   const std::string* late = late_lidar(tracks, options, a, now);
-  if (late && held < patience * options.dwell) {
+  if (late && held < options.patience * options.dwell) {
     a.phase = Assessment::Phase::holding;
     a.reason = "waiting for scans of " + *late;
     return a;

@@ -7,7 +7,6 @@
 namespace ca2 {
 namespace {
 
-constexpr std::int64_t history = 2'500'000'000;  // ns
 // A picture without the board between others (a detector's miss, a hand) does not end a hold.
 constexpr std::int64_t longest_gap = 300'000'000;  // ns
 // Detectors' errors alone move corners by so much.
@@ -58,7 +57,9 @@ void CameraTrack::add(const CameraObservation& observation) {
   }
   if (!samples_.empty() && observation.time <= samples_.back().time) samples_.clear();  // the clock was set
   samples_.push_back(observation);
-  while (samples_.front().time < observation.time - history) samples_.pop_front();
+  // What shows no board is in no view: its pixels need not be kept.
+  if (observation.corners.empty()) samples_.back().image.reset();
+  while (samples_.front().time < observation.time - history_) samples_.pop_front();
 }
 
 Pixels CameraTrack::aligned(const std::vector<Corner>& corners, const Pixels& reference) const {

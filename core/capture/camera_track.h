@@ -20,7 +20,8 @@ struct CameraStillness {
 
 class CameraTrack {
  public:
-  explicit CameraTrack(const Board& board) : board_(board) {}
+  /// `history`: ns that are looked back on.
+  CameraTrack(const Board& board, std::int64_t history) : board_(board), history_(history) {}
 
   void add(const CameraObservation& observation);
 
@@ -47,6 +48,7 @@ class CameraTrack {
                        const std::vector<std::optional<Eigen::Vector2d>>& newest) const;
 
   const Board& board_;
+  std::int64_t history_;
   std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0;

@@ -104,6 +104,8 @@ class Collector {
       held.motion = hold.motion;
     }
     std::string reason = doubt_text(name, best, held.scans.empty());
+    // Scans in which nothing was found are not kept (LidarTrack).
+    std::erase_if(held.scans, [](const LidarObservation* scan) { return scan->scan == nullptr; });
     if (reason.empty()) reason = judge_lidar(name, *held.sight);
     view_.gates[name] = reason;
     if (reason.empty()) view_.lidars.emplace(l, std::move(held));

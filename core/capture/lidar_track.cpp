@@ -6,7 +6,6 @@
 namespace ca2 {
 namespace {
 
-constexpr std::int64_t history = 2'500'000'000;  // ns
 // The sensors' clocks may disagree by so much: a scan that begins so much early still is of the hold.
 constexpr std::int64_t clock_slack = 15'000'000;  // ns
 // Between two scans the same patch is found so close. Where rings lie far apart its centre jumps by half
@@ -28,8 +27,10 @@ void LidarTrack::add(const LidarObservation& observation) {
     return;
   }
   if (!samples_.empty() && observation.time <= samples_.back().time) samples_.clear();  // the clock was set
+  // What shows no board is in no view: only the newest scan is asked for beside that.
+  if (!samples_.empty() && samples_.back().sights.empty()) samples_.back().scan.reset();
   samples_.push_back(observation);
-  while (samples_.front().time < observation.time - history) samples_.pop_front();
+  while (samples_.front().time < observation.time - history_) samples_.pop_front();
 }
 
 std::vector<const LidarObservation*> LidarTrack::within(std::int64_t first, std::int64_t last) const {

@@ -19,6 +19,9 @@ struct LidarHold {
 
 class LidarTrack {
  public:
+  /// `history`: ns that are looked back on.
+  explicit LidarTrack(std::int64_t history) : history_(history) {}
+
   void add(const LidarObservation& observation);
 
   /// Scans that were measured between these times as a whole, oldest first.
@@ -34,6 +37,7 @@ class LidarTrack {
   std::uint64_t shed() const { return shed_; }
 
  private:
+  std::int64_t history_;
   std::deque<LidarObservation> samples_;  ///< searched scans, oldest first
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0;

@@ -19,6 +19,9 @@ constexpr std::size_t fewest_views = 3;
 // While a hold is refused, it is looked at again so often: something in the way may go.
 constexpr std::int64_t retry = 100'000'000;  // ns
 
+// Sensors deliver out of order by less; a clock that runs backwards by more was set.
+constexpr std::int64_t set_back = 2'000'000'000;  // ns
+
 /// How long since a hold was looked at, and what came of it. A hold lasts until the board moves on.
 struct Hold {
   bool decided = false;  ///< captured, or not to be: nothing more happens until the board moves
@@ -51,19 +54,20 @@ struct CapturePipeline::State {
   std::int64_t requested = 0;  ///< ns
   Hold hold;
   Assessment assessment;
-  std::int64_t now = std::numeric_limits<std::int64_t>::min();
+  std::int64_t now = 0;
   std::string last_event;
   std::optional<NextPose> next;
 
   State(Rig rig_in, CaptureOptions options_in, std::vector<ViewSights> views_in)
       : rig(std::move(rig_in)), options(options_in), views(std::move(views_in)), extrinsics(rig) {
+    const auto history = static_cast<std::int64_t>(1e9 * (options.patience * options.dwell + 0.5));
     for (const auto& [name, camera] : rig.cameras) {
       tracks.camera_names.push_back(name);
-      tracks.cameras.emplace_back(rig.board);
+      tracks.cameras.emplace_back(rig.board, history);
     }
     for (const auto& [name, lidar] : rig.lidars) {
       tracks.lidar_names.push_back(name);
-      tracks.lidars.emplace_back();
+      tracks.lidars.emplace_back(history);
     }
     for (const ViewSights& view : views) {
       known.add(pose_of_view(view, have_intrinsics()));
@@ -92,6 +96,11 @@ struct CapturePipeline::State {
 
   /// Everything that a new observation or the time may change.
   void advance(std::int64_t time, CaptureActions& actions) {
+    if (time < now - set_back) {
+      now = time;
+      hold = {};
+      picked = std::min(picked, time);
+    }
     now = std::max(now, time);
     assessment = assess(tracks, options, now);
     const bool still =

@@ -214,6 +214,49 @@ TEST(Pipeline, GatesGiveTheirReasons) {
   EXPECT_TRUE(script.stored.empty() && blurred.stored.empty() && oblique.stored.empty());
 }
 
+TEST(Pipeline, AScanInWhichTheFinderMissedTheBoardDoesNotHarm) {
+  Script script;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+  CapturePipeline pipeline(script.rig, {}, {});
+  for (int i = 0; i < 30; ++i) {
+    const double t = i / 15.0;
+    script.handle(pipeline, t, pipeline.add(script.see(t)));
+    LidarObservation scan = script.scan(t);
+    if (i % 4 == 2) scan.sights.clear(), scan.novelty.clear();
+    script.handle(pipeline, t, pipeline.add(scan));
+  }
+  EXPECT_EQ(script.stored.size(), 1u);
+}
+
+TEST(Pipeline, GoesOnWhenTheClockIsSet) {
+  for (const double jump : {-3600.0, 3600.0}) {
+    Script script;
+    script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+    CapturePipeline pipeline(script.rig, {}, {});
+    script.run(pipeline, 4500, 4502);
+    ASSERT_EQ(script.stored.size(), 1u);
+    script.T_camera_board = [](double) { return board_at(0.1, 0, 1.3, 0.5, 2); };
+    script.run(pipeline, 4502 + jump, 4504 + jump);
+    EXPECT_EQ(script.stored.size(), 2u) << jump;
+    for (const SensorStatus& sensor : pipeline.status(std::llround(1e9 * (4504 + jump))).sensors)
+      EXPECT_FALSE(sensor.silent) << sensor.name;
+  }
+}
+
+TEST(Pipeline, ALongDwellIsPossible) {
+  Script script;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+  CaptureOptions options;
+  options.dwell = 4;
+  CapturePipeline pipeline(script.rig, options, {});
+  script.run(pipeline, 0, 3.5);
+  EXPECT_TRUE(script.stored.empty());
+  EXPECT_NEAR(pipeline.status(7 * test::second / 2).progress, 3.5 / 4, 0.05);
+  script.run(pipeline, 3.6, 6);
+  ASSERT_EQ(script.stored.size(), 1u);
+  EXPECT_GE(script.stored[0].view.scans.at("top").size(), 28u);
+}
+
 TEST(Pipeline, ManualTrigger) {
   Script script;
   script.T_camera_board = [](double t) { return board_at(0.1 * t, 0, 1.5); };
