@@ -83,14 +83,20 @@ UsbOutcome usb_outcome(int code) {
   }
 }
 
-Result<std::unique_ptr<UsbDevice>> UsbDevice::open(const UsbDeviceInfo& info, int interface) {
+Result<std::unique_ptr<UsbDevice>> UsbDevice::open(const UsbDeviceInfo& info, int interface,
+                                                   std::chrono::milliseconds patience) {
   const std::string where = "USB " + info.port;
   auto context = new_usb_context();
   if (!context) return fail(context.error());
   libusb_device* device = find(context->get(), info);
   if (!device) return fail(ErrorCode::unavailable, where, "the device is not there any more");
   libusb_device_handle* handle = nullptr;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   int code = libusb_open(device, &handle);
+  while (code == LIBUSB_ERROR_ACCESS && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    code = libusb_open(device, &handle);
+  }
   libusb_unref_device(device);
   if (code < 0) return fail(open_error(code, where));
   // Not supported on every system, and then there is no kernel driver to take it from either.

@@ -38,8 +38,10 @@ struct UsbTransfer {
 class UsbDevice {
  public:
   /// Opens the device that is at that place and address and claims its interface `interface`, taking it from
-  /// a kernel driver. `unavailable`: it is gone, or another program has it; `no_permission`.
-  static Result<std::unique_ptr<UsbDevice>> open(const UsbDeviceInfo& info, int interface);
+  /// a kernel driver. `unavailable`: it is gone, or another program has it; `no_permission`, tried again for
+  /// `patience`: udev gives a device that has just come its permissions a moment later.
+  static Result<std::unique_ptr<UsbDevice>> open(const UsbDeviceInfo& info, int interface,
+                                                 std::chrono::milliseconds patience);
   UsbDevice(const UsbDevice&) = delete;
   UsbDevice& operator=(const UsbDevice&) = delete;
   ~UsbDevice();

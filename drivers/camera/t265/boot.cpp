@@ -38,16 +38,6 @@ Result<UsbDeviceInfo> wait_for(UsbId id, const std::vector<UsbDeviceInfo>& befor
   }
 }
 
-/// Opens a device that has just come: udev gives it its permissions a moment later.
-Result<std::unique_ptr<UsbDevice>> open_fresh(const UsbDeviceInfo& info) {
-  const auto deadline = Clock::now() + seconds(2);
-  for (;;) {
-    auto device = UsbDevice::open(info, interface);
-    if (device || device.error().code != ErrorCode::no_permission || Clock::now() >= deadline) return device;
-    std::this_thread::sleep_for(milliseconds(50));
-  }
-}
-
 }  // namespace
 
 Result<std::vector<UsbDeviceInfo>> list_devices() {
@@ -60,7 +50,7 @@ Result<UsbDeviceInfo> boot(const UsbDeviceInfo& loader, const std::string& firmw
   const auto before = list_usb_devices(std::span(&camera_id, 1));
   if (!before) return fail(before.error());
   {
-    const auto device = open_fresh(loader);
+    const auto device = UsbDevice::open(loader, interface, udev_patience);
     if (!device) return fail(device.error());
     const std::uint8_t endpoint = (*device)->first_bulk_out();
     if (endpoint == 0) return fail(ErrorCode::unavailable, where, "its boot loader has no bulk endpoint");
@@ -84,7 +74,7 @@ Result<void> reset(const UsbDeviceInfo& camera, milliseconds patience) {
   const auto before = list_usb_devices(std::span(&boot_id, 1));
   if (!before) return fail(before.error());
   {
-    const auto device = open_fresh(camera);
+    const auto device = UsbDevice::open(camera, interface, udev_patience);
     if (!device) return fail(device.error());
     // Whatever it answers: it is gone before it could say so.
     (*device)->vendor_request(reset_request, seconds(1));

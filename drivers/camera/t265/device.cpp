@@ -35,7 +35,7 @@ void Device::drain() {
 }
 
 Result<std::unique_ptr<Device>> Device::open(const UsbDeviceInfo& place) {
-  auto usb = UsbDevice::open(place, interface);
+  auto usb = UsbDevice::open(place, interface, udev_patience);
   if (!usb) return fail(usb.error());
   std::unique_ptr<Device> out(new Device(std::move(*usb)));
   for (const std::uint8_t endpoint :

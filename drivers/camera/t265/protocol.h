@@ -1,6 +1,7 @@
 /// @file Numbers of the T265's USB protocol. All values on the wire are little-endian and packed.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 
 #include "drivers/usb/usb_devices.h"
@@ -11,7 +12,8 @@ namespace ca2::t265 {
 inline constexpr UsbId boot_id{0x03e7, 0x2150};
 /// With firmware.
 inline constexpr UsbId camera_id{0x8087, 0x0b37};
-inline constexpr int interface = 0;  ///< the only one of both
+inline constexpr int interface = 0;                              ///< the only one of both
+inline constexpr std::chrono::milliseconds udev_patience{2000};  ///< it comes and goes in our hands
 
 // Endpoints of the camera.
 inline constexpr std::uint8_t request_endpoint = 0x02, response_endpoint = 0x82;

@@ -74,7 +74,7 @@ std::string T265Camera::description() const {
 Result<void> T265Camera::start() {
   if (started_) return {};
   queue_.restart();
-  pictured_ = false;
+  lost_ = pictured_ = false;
   counts_[0] = counts_[1] = {};
   {
     const std::lock_guard lock(mutex_);
@@ -117,9 +117,9 @@ void T265Camera::stop() {
     changed_.notify_all();
   }
   if (keeper_.joinable()) keeper_.join();
-  // Reading goes on meanwhile: a device that cannot get rid of its pictures does not hear. One that is gone
-  // or hangs has nothing to say.
-  if (device_->stop()) {
+  // Reading goes on meanwhile: a device that cannot get rid of its pictures does not hear. Who is gone or
+  // hangs is not asked: that would take the whole time of a request.
+  if (!lost_ && device_->stop()) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, last_words, [&] { return stopped_; });
   }
@@ -136,6 +136,7 @@ CameraPoll T265Camera::next(milliseconds timeout) {
     poll = queue_.pop(until);
     const auto now = Clock::now();
     if (poll.event == CameraEvent::frame) watch_.sign_of_life(now);
+    lost_ = lost_ || poll.event == CameraEvent::lost;
     if (poll.event != CameraEvent::timeout) break;
     watch_.overslept(std::max(Clock::duration(0), now - until - milliseconds(1)));
     if (started_ && now >= *watch_.deadline()) {

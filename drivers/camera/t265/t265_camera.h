@@ -67,7 +67,8 @@ class T265Camera : public CameraSource {
   std::unique_ptr<UsbReader> pictures_, events_;
   std::thread keeper_;
   bool started_ = false;
-  FrameWatch watch_;  ///< of the thread that calls next()
+  FrameWatch watch_;   ///< of the thread that calls next()
+  bool lost_ = false;  ///< next() has said so
   std::atomic<std::uint64_t> incomplete_{0}, missed_{0};
   // Of the event thread, while the readers live.
   std::uint64_t begin_ = 0;  ///< device time; what is older was left over from an earlier run

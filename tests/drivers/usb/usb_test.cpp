@@ -43,7 +43,7 @@ class Usb : public testing::Test {
   }
 
   std::unique_ptr<UsbDevice> open() {
-    auto opened = UsbDevice::open(list({camera}).at(0), 0);
+    auto opened = UsbDevice::open(list({camera}).at(0), 0, milliseconds(0));
     EXPECT_TRUE(opened) << opened.error().text();
     return opened ? std::move(*opened) : nullptr;
   }
@@ -70,14 +70,14 @@ TEST_F(Usb, WhatIsInUseOrGoneIsSaid) {
   MockUsbDevice busy = device(camera, "1-1", 3);
   busy.claim = [] { return EBUSY; };
   mock_->plug_in(busy);
-  const auto refused = UsbDevice::open(list({camera}).at(0), 0);
+  const auto refused = UsbDevice::open(list({camera}).at(0), 0, milliseconds(0));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().code, ErrorCode::unavailable);
   EXPECT_NE(refused.error().text().find("another program"), std::string::npos) << refused.error().text();
 
   UsbDeviceInfo gone = list({camera}).at(0);
   ++gone.address;
-  const auto absent = UsbDevice::open(gone, 0);
+  const auto absent = UsbDevice::open(gone, 0, milliseconds(0));
   ASSERT_FALSE(absent);
   EXPECT_NE(absent.error().text().find("not there any more"), std::string::npos) << absent.error().text();
 }
