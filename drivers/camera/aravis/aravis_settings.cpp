@@ -27,6 +27,7 @@ constexpr CameraOption options_known[] = {
     {"frame_rate", "Hz; default: the camera's"},
     {"trigger", "off (default), software, or camera: as the camera is set, for triggers by wire"},
     {"packet_size", "bytes of a GigE packet, or auto (default): the largest that arrives"},
+    {"silence", "s without a picture after which the camera counts as gone, three frame periods by default"},
     {"buffers", "pictures kept for the driver, 16 by default"},
     {"resend", "ask for lost packets again, true by default"},
     {"ptp", "true: the camera's clock follows the network's PTP master"},
@@ -154,6 +155,7 @@ Result<AravisSettings> read_aravis_settings(OptionReader& options) {
   // 68: the least that holds a picture's leader; 16 000: beyond any jumbo frame.
   if (options.text("packet_size") != "auto")
     settings.packet_size = options.integer("packet_size", 68, 16000).value_or(0);
+  settings.silence = options.number("silence", 0, 3600).value_or(settings.silence);
   settings.buffers = options.integer("buffers", 2, 1000).value_or(settings.buffers);
   settings.resend = options.boolean("resend").value_or(settings.resend);
   settings.ptp = options.boolean("ptp").value_or(settings.ptp);

@@ -22,6 +22,7 @@ struct AravisSettings {
   std::map<std::string, std::string> controls;  ///< exposure_us, gain_db, frame_rate, trigger
   int packet_size = 0;                          ///< bytes; 0: the largest that arrives
   int buffers = 16;
+  double silence = 0;  ///< s that the camera may be silent; 0: three frame periods
   bool resend = true;
   bool ptp = false;
   PictureKind kind = PictureKind::grey;

@@ -201,7 +201,9 @@ class AravisCamera : public CameraSource {
     const double rate = state_->rate;
     if (rate == watched_rate_) return;
     watched_rate_ = rate;
-    const double period = rate > 0 ? std::max(1 / rate, 1e-6 * state_->exposure_us) : 0;
+    // FrameWatch waits for three periods.
+    const double period =
+        rate > 0 ? std::max({1 / rate, 1e-6 * state_->exposure_us, settings_.silence / 3}) : 0;
     watch_.begin(Clock::now(), seconds(period), first_picture_patience);
   }
 

@@ -35,6 +35,7 @@ constexpr CameraOption options_known[] = {
     {"controls", "further ones: \"gain=10 focus_absolute=0\""},
     {"bits", "significant bits of Y16, where the camera uses fewer than 16"},
     {"skip", "pictures left out after a start, 2 by default: often dark or torn"},
+    {"silence", "s without a picture after which the camera counts as hung, 2 by default"},
     {"buffers", "shared with the kernel, 6 by default"}};
 
 struct V4l2Settings {
@@ -43,11 +44,9 @@ struct V4l2Settings {
   std::map<std::string, std::string> controls;
   PictureKind kind = PictureKind::grey;
   int bits = 0, skip = 2, buffers = 6;
+  double silence = 2;
 };
 
-/// A hung USB camera says nothing; an unplugged one is told by the kernel at once. A camera in the dark may
-/// make its exposures, and so the periods, several times longer from one picture to the next.
-constexpr Clock::duration least_patience = std::chrono::seconds(2);
 constexpr Clock::duration first_picture_patience = std::chrono::seconds(3);
 constexpr int most_errors_in_a_row = 30;
 
@@ -83,10 +82,13 @@ class V4l2Camera : public CameraSource {
     errors_ = 0;
     hung_up_ = false;
     last_sequence_.reset();
-    const double period = agreement_.frame_rate > 0 ? 1 / agreement_.frame_rate : 1;
+    // A camera in the dark may make its exposures, and so its periods, several times longer from one picture
+    // to the next: three of the promised ones would be too hasty, and unplugging is told by the kernel at
+    // once.
+    const double period =
+        std::max(agreement_.frame_rate > 0 ? 1 / agreement_.frame_rate : 0, settings_.silence / 3);
     watch_.begin(Clock::now(),
-                 std::max(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period)),
-                          least_patience / 3),
+                 std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(period)),
                  first_picture_patience);
     return {};
   }
@@ -289,6 +291,7 @@ Result<V4l2Settings> read_settings(OptionReader& options) {
   }
   settings.bits = options.integer("bits", 8, 16).value_or(0);
   settings.skip = options.integer("skip", 0, 1000).value_or(settings.skip);
+  settings.silence = options.number("silence", 0.1, 3600).value_or(settings.silence);
   settings.buffers = options.integer("buffers", 2, 32).value_or(settings.buffers);
   if (const auto good = options.done(); !good) return fail(good.error());
   return settings;

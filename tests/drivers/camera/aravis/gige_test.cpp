@@ -108,8 +108,11 @@ TEST_F(Gige, RenderedBoardArrivesPixelExact) {
 
 TEST_F(Gige, FourMegapixelsAtTwentyFivePerSecondWithoutLoss) {
   const test::GigeCamera device(first_address, "LARGE");
-  const auto camera =
-      opened({{"width", "2048"}, {"height", "2048"}, {"frame_rate", "25"}, {"packet_size", "8192"}});
+  const auto camera = opened({{"width", "2048"},
+                              {"height", "2048"},
+                              {"frame_rate", "25"},
+                              {"packet_size", "8192"},
+                              {"silence", "3"}});
   ASSERT_TRUE(camera);
   EXPECT_EQ(camera->streams()[0].width, 2048);
   const auto begin = Clock::now();
@@ -134,7 +137,7 @@ TEST_F(Gige, FourMegapixelsAtTwentyFivePerSecondWithoutLoss) {
 TEST_F(Gige, LostPacketsMakeIncompletePicturesThatAreCountedAndNeverShown) {
   const std::string bytes = board_bytes("Mono8", 512, 512);
   const test::GigeCamera device(first_address, "LOSSY", bytes, 0.002);
-  const auto camera = opened({{"width", "512"}, {"height", "512"}, {"frame_rate", "25"}});
+  const auto camera = opened({{"width", "512"}, {"height", "512"}, {"frame_rate", "25"}, {"silence", "3"}});
   ASSERT_TRUE(camera);
   for (int i = 0; i < 50; ++i) {
     const CameraPoll poll = camera->next(milliseconds(1000));
@@ -209,7 +212,8 @@ TEST_F(Gige, TwoCamerasAtOnce) {
   const std::string two(512 * 512, '\x40');
   const test::GigeCamera first(first_address, "ONE", one), second(second_address, "TWO", two);
   const auto shows = [](const char* id, const std::string& bytes) {
-    const auto camera = opened({{"id", id}, {"width", "512"}, {"height", "512"}, {"frame_rate", "10"}});
+    const auto camera =
+        opened({{"id", id}, {"width", "512"}, {"height", "512"}, {"frame_rate", "10"}, {"silence", "3"}});
     if (!camera) return -1;
     int frames = 0;
     for (; frames < 15; ++frames) {
