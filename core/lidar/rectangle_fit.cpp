@@ -66,8 +66,12 @@ class Search {
     }
     float x = static_cast<float>(c * u + s * v), y = static_cast<float>(c * v - s * u), weight = 0;
     for (int round = 0; round < 3; ++round) {
+      const float last_x = x, last_y = y;
       x = slide(along_, x_, y_, y, height_).first;
+      // The same stretch gives the same place across it.
+      if (round > 0 && x == last_x) break;
       std::tie(y, weight) = slide(across_, y_, x_, x, width_);
+      if (y == last_y) break;
     }
     return {c * x - s * y, s * x + c * y, angle, weight};
   }

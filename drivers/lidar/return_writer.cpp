@@ -135,7 +135,8 @@ void ReturnWriter::resize(std::size_t returns) {
 
 void ReturnWriter::add(const FiredBeams& beams, const FiredNames& names) {
   const std::size_t needed = size_ + static_cast<std::size_t>(names.beams) + spare;
-  if (needed > room_) resize(std::max(needed + needed / 4, expected_ + spare));
+  // Not more than expected, lest the arrays move: their memory is what takes time.
+  if (needed > room_) resize(needed <= expected_ + spare ? expected_ + spare : needed + needed / 4);
   const detail::ReturnTargets out{scan_->points.data()->data() + 3 * size_,
                                   scan_->range.data() + size_,
                                   scan_->intensity.data() + size_,

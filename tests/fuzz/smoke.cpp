@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 #include "tests/fuzz/fuzz_target.h"
@@ -51,6 +54,15 @@ TEST(Fuzz, SeedsAndTheirTruncations) {
     const std::size_t step = 1 + seed.size() / 300;
     for (std::size_t size = 0; size < seed.size(); size += step) run(seed.substr(0, size));
     run(seed);
+  }
+}
+
+/// What fuzzing found to be worth keeping: every branch it reached is reached again.
+TEST(Fuzz, Corpus) {
+  if (!std::filesystem::is_directory(CA2_FUZZ_CORPUS)) GTEST_SKIP() << "this target has no corpus";
+  for (const auto& entry : std::filesystem::directory_iterator(CA2_FUZZ_CORPUS)) {
+    std::ifstream file(entry.path(), std::ios::binary);
+    run({std::istreambuf_iterator<char>(file), {}});
   }
 }
 

@@ -27,10 +27,10 @@ struct Stream {
   std::string name;
   std::vector<EncodedPacket> packets;
   std::function<std::unique_ptr<PacketDecoder>()> decoder;
-  std::size_t warm_up = 0;  ///< packets of the first revolution
+  std::size_t warm_up = 0;  ///< packets of the first revolutions, which find the memory and do not count
 
-  void add(std::vector<EncodedPacket> revolution) {
-    if (packets.empty()) warm_up = revolution.size();
+  void add(std::vector<EncodedPacket> revolution, bool counts) {
+    if (!counts) warm_up += revolution.size();
     std::move(revolution.begin(), revolution.end(), std::back_inserter(packets));
   }
 };
@@ -59,10 +59,10 @@ Stream ouster_stream(const std::string& profile, bool all_fields) {
                return std::make_unique<OusterDecoder>(metadata, options);
              }};
   std::mt19937_64 random(1);
-  for (int i = 0; i < 1 + revolutions; ++i) {
+  for (int i = -2; i < revolutions; ++i) {
     EncoderScan scan = random_scan(128, 1024, profile.ends_with("DUAL"), random);
-    scan.frame_id = static_cast<std::uint32_t>(i);
-    out.add(encode_ouster(metadata, scan));
+    scan.frame_id = static_cast<std::uint32_t>(2 + i);
+    out.add(encode_ouster(metadata, scan), i >= 0);
   }
   return out;
 }
@@ -75,15 +75,15 @@ Stream velodyne_stream(const char* name) {
   const int columns = static_cast<int>(0.1 / model.cycle);
   std::mt19937_64 random(2);
   VelodyneEncoder encoder(model, model.factory, {});
-  for (int i = 0; i < 1 + revolutions; ++i) {
+  for (int i = -2; i < revolutions; ++i) {
     EncoderScan scan = random_scan(model.lasers, columns, false, random);
-    scan.start = i * 100'000'000ll;
-    out.add(encoder.push(scan));
+    scan.start = (2 + i) * 100'000'000ll;
+    out.add(encoder.push(scan), i >= 0);
   }
   return out;
 }
 
-/// As a daemon does day and night: the first revolution, which finds the memory, does not count.
+/// As a daemon does day and night.
 double decode_once(const Stream& stream, std::size_t& points) {
   const auto decoder = stream.decoder();
   LidarCounters counters;
