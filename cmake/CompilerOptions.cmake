@@ -1,13 +1,17 @@
 # One interface target carries every flag, so that no directory has flags of its own.
 add_library(ca2_options INTERFACE)
-target_compile_options(ca2_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-                                             -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual)
+# Warnings are for building this project, not for programs that use the installed libraries.
+target_compile_options(ca2_options INTERFACE "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Wnon-virtual-dtor;-Woverloaded-virtual;-Wcast-qual>")
 # The same picture must give the same answer on every machine: no fused multiply-add where the source has none.
 target_compile_options(ca2_options INTERFACE -ffp-contract=off)
 if(CA2_WERROR)
-  target_compile_options(ca2_options INTERFACE -Werror)
+  target_compile_options(ca2_options INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()
-target_include_directories(ca2_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
+target_include_directories(ca2_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                 $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/generated>
+                                                 $<INSTALL_INTERFACE:include/ca2>)
+# Programs that read packets from the network: no writable jump tables.
+target_link_options(ca2_options INTERFACE $<BUILD_INTERFACE:-Wl,-z,relro,-z,now>)
 
 if(CA2_SANITIZE)
   if(CA2_SANITIZE MATCHES "thread" AND CA2_SANITIZE MATCHES "address")

@@ -21,6 +21,9 @@ packages=(
   libumockdev-dev
   # printed boards drawn by programs of others
   librsvg2-bin
+  # packages
+  lintian
+  mandoc
   poppler-utils
   # tests against device interfaces: a guest machine with Debian's own kernel
   qemu-system-x86

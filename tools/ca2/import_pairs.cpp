@@ -1,0 +1,139 @@
+#include "tools/ca2/import_pairs.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/io/cloud_files.h"
+#include "core/io/read_picture.h"
+
+namespace ca2 {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Numbered {
+  std::int64_t key = 0;  ///< the number, or ns where it is a time
+  fs::path path;
+};
+
+/// The last run of digits of the name; nothing where there is none, or it is too long for a number.
+std::optional<std::string> digits_of(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto end = std::find_if(stem.rbegin(), stem.rend(), digit).base();
+  const auto begin = std::find_if_not(std::make_reverse_iterator(end), stem.rend(), digit).base();
+  if (begin == end || end - begin > 19) return std::nullopt;
+  return std::string(begin, end);
+}
+
+constexpr std::size_t least_time_digits = 13;
+
+std::int64_t key_of(const std::string& digits) {
+  std::uint64_t value = 0;
+  std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  value = std::min<std::uint64_t>(value, std::numeric_limits<std::int64_t>::max());
+  const auto number = static_cast<std::int64_t>(value);
+  // Of our century: ms have 13 digits, us 16, ns 19.
+  if (digits.size() < least_time_digits) return number;
+  return digits.size() <= 14 ? number * 1'000'000 : digits.size() <= 17 ? number * 1000 : number;
+}
+
+Result<std::vector<fs::path>> files_under(const fs::path& folder, bool pictures) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator at(folder, error);
+  for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+    const fs::path& path = at->path();
+    if (path.filename().string().front() == '.' || !at->is_regular_file()) continue;
+    if (pictures ? is_picture_name(path) : is_cloud_name(path)) files.push_back(path);
+  }
+  if (error) return fail(ErrorCode::io, folder.string(), "cannot be listed: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+struct SensorFiles {
+  std::string sensor;
+  std::vector<Numbered> files;  ///< by rising key
+};
+
+}  // namespace
+
+Result<ImportPlan> plan_import(const fs::path& folder, const Rig& rig, double tolerance) {
+  const bool anywhere = rig.cameras.size() == 1 && rig.lidars.size() <= 1;
+  std::vector<SensorFiles> sensors;
+  std::vector<Problem> problems;
+  std::size_t timed = 0, all = 0;
+  const auto collect = [&](const std::string& sensor, bool is_camera) -> Result<void> {
+    std::error_code error;
+    const fs::path own = folder / sensor;
+    const bool has_own = fs::is_directory(own, error);
+    if (!has_own && !anywhere) {
+      problems.push_back({own.string(), "there is no such folder",
+                          "with several cameras or LiDARs each has its files in a folder of its name"});
+      return {};
+    }
+    const Result<std::vector<fs::path>> files = files_under(has_own ? own : folder, is_camera);
+    if (!files) return fail(files.error());
+    SensorFiles found{sensor, {}};
+    for (const fs::path& path : *files) {
+      const auto digits = digits_of(path);
+      // Tables of numbers beside the clouds (imu.csv) are no clouds of a view.
+      if (!digits) continue;
+      found.files.push_back({key_of(*digits), path});
+      timed += digits->size() >= least_time_digits;
+      ++all;
+    }
+    std::stable_sort(found.files.begin(), found.files.end(),
+                     [](const Numbered& a, const Numbered& b) { return a.key < b.key; });
+    if (found.files.empty()) {
+      problems.push_back({(has_own ? own : folder).string(),
+                          std::string("has no ") +
+                              (is_camera ? "pictures (PNG, JPEG)" : "clouds (PCD, PLY, CSV, NPY)") + " of '" +
+                              sensor + "' with a number in their names",
+                          "give the files of a view the same number"});
+    }
+    sensors.push_back(std::move(found));
+    return {};
+  };
+  for (const auto& [name, camera] : rig.cameras) {
+    if (const auto done = collect(name, true); !done) return fail(done.error());
+  }
+  for (const auto& [name, lidar] : rig.lidars) {
+    if (const auto done = collect(name, false); !done) return fail(done.error());
+  }
+  if (!problems.empty()) return fail(ErrorCode::data, problems);
+
+  ImportPlan plan;
+  plan.timed = timed == all;
+  const auto reach = plan.timed ? static_cast<std::int64_t>(std::llround(tolerance * 1e9)) : 0;
+  // The slowest sensor leads: it has a file in every view.
+  const auto leader = std::min_element(
+      sensors.begin(), sensors.end(),
+      [](const SensorFiles& a, const SensorFiles& b) { return a.files.size() < b.files.size(); });
+  for (const Numbered& file : leader->files) {
+    ImportGroup group{{leader->sensor, file.path}};
+    for (const SensorFiles& other : sensors) {
+      if (&other == &*leader) continue;
+      const Numbered* nearest = nullptr;
+      const auto after = std::lower_bound(other.files.begin(), other.files.end(), file.key,
+                                          [](const Numbered& n, std::int64_t key) { return n.key < key; });
+      const auto distance = [&](const Numbered& n) { return std::abs(n.key - file.key); };
+      if (after != other.files.end()) nearest = &*after;
+      if (after != other.files.begin() && (!nearest || distance(*(after - 1)) < distance(*nearest)))
+        nearest = &*(after - 1);
+      if (nearest && distance(*nearest) <= reach) group[other.sensor] = nearest->path;
+    }
+    if (group.size() > 1 || sensors.size() == 1) {
+      plan.groups.push_back(std::move(group));
+    } else {
+      ++plan.single;
+    }
+  }
+  return plan;
+}
+
+}  // namespace ca2
