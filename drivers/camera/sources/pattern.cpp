@@ -29,6 +29,7 @@ constexpr CameraOption options_known[] = {
     {"rows", "as in the rig's board, 6 by default"},
     {"square", "m, 0.04 by default"},
     {"marker", "m, charuco only, 3/4 of a square by default"},
+    {"spacing", "aprilgrid only: gap over tag size, 0.3 by default"},
     {"width", "px, 640 by default"},
     {"height", "px, 480 by default"},
     {"format", "Mono8 (default), Mono16 or RGB8"},
@@ -243,6 +244,8 @@ Result<std::unique_ptr<CameraSource>> open(OptionReader& reader) {
   board.square = reader.number("square", 1e-3, 10).value_or(0.04);
   const bool charuco = board.type->name() == "charuco";
   board.marker = reader.number("marker", 1e-3, 10).value_or(charuco ? 0.75 * board.square : 0);
+  const bool aprilgrid = board.type->name() == "aprilgrid";
+  board.spacing = reader.number("spacing", 0.01, 10).value_or(aprilgrid ? 0.3 : 0);
   for (std::string& wrong : board.type->invalid(board)) reader.problem(std::move(wrong));
   if (const auto good = reader.done(); !good) return fail(good.error());
   return std::make_unique<PatternCamera>(std::move(options));

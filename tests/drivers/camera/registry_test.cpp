@@ -143,6 +143,18 @@ TEST(Pattern, ShowsABoardThatIsHeldAndMoved) {
   EXPECT_GT(shift, 3);
 }
 
+TEST(Pattern, ShowsEveryTypeOfBoard) {
+  for (const BoardType* type : board_types()) {
+    const auto source = open_camera({{"driver", "pattern"}, {"board", std::string(type->name())}});
+    ASSERT_TRUE(source) << type->name() << ": " << source.error().text();
+    ASSERT_TRUE((*source)->start());
+    const CameraFrame frame = next_frame(**source);
+    std::size_t dark = 0;
+    for (const std::uint8_t grey : frame.image->bytes) dark += grey < 60;
+    EXPECT_GT(dark, frame.image->bytes.size() / 200) << type->name();
+  }
+}
+
 TEST(Pattern, RampIsPixelExactInEveryFormat) {
   for (const std::string format : {"Mono8", "Mono16", "RGB8"}) {
     const auto source = open_camera({{"driver", "pattern"},
