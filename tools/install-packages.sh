@@ -15,8 +15,10 @@ packages=(
   libapriltag-dev
   libqhull-dev
   liblcm-dev liblcm-bin libsodium-dev
+  libsystemd-dev libspdlog-dev libchafa-dev
   # tests
   libgtest-dev
+  jq
   umockdev
   libumockdev-dev
   # printed boards drawn by programs of others

@@ -1,25 +1,8 @@
 #include "core/report/html.h"
 
+#include "core/io/base64.h"
+
 namespace ca2 {
-namespace {
-
-std::string base64(const std::string& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve(4 * (bytes.size() + 2) / 3);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned word = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      word = word << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k <= bytes.size() ? digits[word >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return out;
-}
-
-}  // namespace
 
 std::string escaped(const std::string& raw) {
   std::string out;
@@ -45,7 +28,7 @@ std::string escaped(const std::string& raw) {
 }
 
 std::string data_uri(const std::string& type, const std::string& bytes) {
-  return "data:" + type + ";base64," + base64(bytes);
+  return "data:" + type + ";base64," + to_base64(bytes);
 }
 
 const char* report_style() {

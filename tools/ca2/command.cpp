@@ -48,8 +48,9 @@ int run_command_line(int argc, char** argv) {
   app.set_version_flag("--version", "ca2 " CA2_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 done, 1 refused (no result written), 64 usage, 65 bad data, 73 cannot create,\n"
-      "74 I/O, 78 bad configuration. `ca2 COMMAND --help` explains a command.");
+      "Exit status: 0 done, 1 refused (no result written), 64 usage, 65 bad data, 69 no daemon or\n"
+      "sensor, 73 cannot create, 74 I/O, 77 not permitted, 78 bad configuration. `ca2 COMMAND --help` "
+      "explains a command.");
   std::vector<CommandBody> bodies;
   for (const Command& command : commands()) {
     bodies.push_back(command.setup(*app.add_subcommand(command.name, command.help)));

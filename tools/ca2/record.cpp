@@ -1,5 +1,5 @@
-/// @file `ca2 record packets` and `cameras`: raw datagrams into capture files, pictures into a recording,
-/// without the daemon.
+/// @file `ca2 record`: datagrams into capture files and pictures into a recording without the daemon, or all
+/// that the daemon's sensors give.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +12,7 @@
 #include "drivers/net/udp_source.h"
 #include "tools/ca2/camera_source_text.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/daemon_link.h"
 #include "tools/ca2/interrupt.h"
 #include "tools/ca2/packet_report.h"
 #include "tools/ca2/record_cameras.h"
@@ -164,6 +165,28 @@ Result<int> run_packets(const PacketOptions& options) {
   return 0;
 }
 
+struct DaemonRecording {
+  DaemonAddress address;
+  std::string name;
+  bool as_json = false;
+};
+
+Result<int> call_recorder(const DaemonRecording& options, bool start) {
+  const nlohmann::json arguments = start ? nlohmann::json{{"name", options.name}} : nlohmann::json::object();
+  const Result<nlohmann::json> reply = call_daemon(options.address, start ? "record_start" : "record_stop",
+                                                   arguments, std::chrono::seconds(30));
+  if (!reply) return fail(reply.error());
+  const std::string directory = reply->value("recording", "");
+  if (options.as_json) {
+    std::printf("%s\n", reply->dump(2).c_str());
+  } else if (start) {
+    std::printf("recording to %s\n", directory.c_str());
+  } else {
+    std::printf("recorded %s, %llu inputs dropped\n", directory.c_str(), reply->value("dropped", 0ull));
+  }
+  return 0;
+}
+
 }  // namespace
 
 CommandBody setup_record(CLI::App& app) {
@@ -194,9 +217,22 @@ CommandBody setup_record(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   cameras->add_flag("--json", camera_options->as_json, "Report for programs");
   cameras->footer(camera_drivers_help());
-  return [options, camera_options, cameras] {
+  auto body = std::make_shared<CommandBody>([options, camera_options, cameras] {
     return cameras->parsed() ? record_cameras(*camera_options) : run_packets(*options);
+  });
+  const auto add = [&](const char* name, const char* help, bool start) {
+    CLI::App* sub = app.add_subcommand(name, help);
+    auto recording = std::make_shared<DaemonRecording>();
+    add_daemon_options(*sub, recording->address);
+    if (start) sub->add_option("name", recording->name, "Name of the recording; default: the time");
+    sub->add_flag("--json", recording->as_json, "For programs");
+    sub->callback([body, recording, start] {
+      *body = [recording, start] { return call_recorder(*recording, start); };
+    });
   };
+  add("start", "Have the daemon record what its sensors give", true);
+  add("stop", "End the daemon's recording", false);
+  return [body] { return (*body)(); };
 }
 
 }  // namespace ca2

@@ -1,26 +1,54 @@
 /// @file `ca2 solve`: from a session to its result.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "tools/ca2/command.h"
+#include "tools/ca2/daemon_link.h"
+#include "tools/ca2/print_calibration.h"
 #include "tools/ca2/solve_session.h"
 
 namespace ca2 {
 namespace {
 
-Result<int> solve(const SolveArguments& arguments) {
-  if (arguments.session.empty()) {
-    return fail(ErrorCode::unavailable, "", "no daemon is running here",
-                "name the session: `ca2 solve SESSION`");
+/// The daemon solves its session, with all of its views, and writes the result there.
+Result<int> solve_in_daemon(const DaemonAddress& daemon, bool as_json) {
+  constexpr std::chrono::minutes patience{5};
+  const auto reply = call_daemon(daemon, "solve", nlohmann::json::object(), patience);
+  if (!reply) {
+    Error error = reply.error();
+    if (error.code == ErrorCode::unavailable) {
+      error.problems.back().hint += "; without a daemon: `ca2 solve SESSION`";
+    }
+    return fail(std::move(error));
   }
-  return solve_session(arguments);
+  if (as_json) {
+    std::printf("%s\n", reply->at("result").dump(2).c_str());
+    return 0;
+  }
+  const Result<Calibration> calibration = parse_calibration(reply->at("yaml"), "the daemon's answer");
+  if (!calibration) return fail(calibration.error());
+  std::printf("%swritten to %s\n", describe(*calibration).c_str(),
+              reply->at("file").get<std::string>().c_str());
+  return 0;
+}
+
+Result<int> solve(const SolveArguments& arguments, const DaemonAddress& daemon) {
+  if (!arguments.session.empty()) return solve_session(arguments);
+  const bool own = arguments.output.empty() && arguments.views.empty() && arguments.method == "joint";
+  if (own) return solve_in_daemon(daemon, arguments.json);
+  return fail(ErrorCode::usage, "", "--output, --views and --method are for a session on the disk",
+              "name it: `ca2 solve SESSION ...`");
 }
 
 }  // namespace
 
 CommandBody setup_solve(CLI::App& app) {
   auto arguments = std::make_shared<SolveArguments>();
-  app.add_option("session", arguments->session, "Session directory");
+  auto daemon = std::make_shared<DaemonAddress>();
+  app.add_option("session", arguments->session, "Session directory; without it: the daemon's");
+  add_daemon_options(app, *daemon);
   app.add_option("--output,-o", arguments->output, "Result file (default: SESSION/result.yaml)");
   app.add_option(
          "--method", arguments->method,
@@ -41,7 +69,7 @@ CommandBody setup_solve(CLI::App& app) {
       "with the covariance of every transform. Exit status 1 and no result when the views cannot determine "
       "the\n"
       "answer: the message says which direction is weak and how to hold the board to cure it.");
-  return [arguments] { return solve(*arguments); };
+  return [arguments, daemon] { return solve(*arguments, *daemon); };
 }
 
 }  // namespace ca2

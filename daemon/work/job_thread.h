@@ -1,0 +1,49 @@
+/// @file A thread that does jobs, one at a time, in order.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "daemon/work/heartbeat.h"
+
+namespace ca2 {
+
+class JobThread {
+ public:
+  using Job = std::function<void()>;
+
+  /// `longest`: a job that takes more counts as stuck.
+  JobThread(const std::string& name, Heartbeats& heartbeats, std::size_t capacity,
+            std::chrono::seconds longest);
+  JobThread(const JobThread&) = delete;
+  JobThread& operator=(const JobThread&) = delete;
+  /// Waits for the job under way; what is queued is not done.
+  ~JobThread();
+
+  /// False, and not done, when as many as may wait are waiting.
+  bool submit(Job job);
+  /// In place of all that wait.
+  void replace(Job job);
+  /// Nothing waits and nothing is under way.
+  bool idle() const;
+
+ private:
+  void run();
+
+  const std::size_t capacity_;
+  const std::chrono::seconds longest_;
+  std::shared_ptr<Heartbeat> heartbeat_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<Job> jobs_;
+  bool busy_ = false, stop_ = false;
+  std::thread thread_;  ///< last: it uses the others
+};
+
+}  // namespace ca2
