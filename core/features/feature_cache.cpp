@@ -37,9 +37,10 @@ class Writer {
   void put(const double* values, std::size_t count) {
     text_.append(reinterpret_cast<const char*>(values), count * sizeof(double));
   }
-  void put(const std::vector<BoardReturn>& points) {
-    put(static_cast<std::uint64_t>(points.size()));
-    text_.append(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(BoardReturn));
+  template <class T>
+  void put(const std::vector<T>& list) {
+    put(static_cast<std::uint64_t>(list.size()));
+    text_.append(reinterpret_cast<const char*>(list.data()), list.size() * sizeof(T));
   }
   const std::string& text() const { return text_; }
 
@@ -58,12 +59,13 @@ class Reader {
     return value;
   }
   void get(double* values, std::size_t count) { take(values, count * sizeof(double)); }
-  std::vector<BoardReturn> returns() {
+  template <class T>
+  std::vector<T> list() {
     const auto count = get<std::uint64_t>();
-    if (count > text_.size() / sizeof(BoardReturn)) good_ = false;
-    std::vector<BoardReturn> list(good_ ? count : 0);
-    take(list.data(), list.size() * sizeof(BoardReturn));
-    return list;
+    if (count > text_.size() / sizeof(T)) good_ = false;
+    std::vector<T> values(good_ ? count : 0);
+    take(values.data(), values.size() * sizeof(T));
+    return values;
   }
   bool good() const { return good_; }
 
@@ -194,14 +196,11 @@ std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::strin
     reader.get(sight.plane.normal.data(), 3);
     sight.plane.offset = reader.get<double>();
     reader.get(sight.center.data(), 3);
-    if (reader.get<std::uint8_t>() != 0) {
-      sight.outline_center.emplace();
-      reader.get(sight.outline_center->data(), 3);
-    }
     sight.rms = reader.get<double>();
     sight.score = reader.get<double>();
-    sight.on_board = reader.returns();
-    sight.around = reader.returns();
+    sight.on_board = reader.list<BoardReturn>();
+    sight.around = reader.list<BoardReturn>();
+    sight.crossings = reader.list<EdgeCrossing>();
     sights.push_back(std::move(sight));
   }
   if (!reader.good()) return std::nullopt;
@@ -216,12 +215,11 @@ void FeatureCache::store_cloud(const std::string& name, const std::filesystem::p
     writer.put(sight.plane.normal.data(), 3);
     writer.put(sight.plane.offset);
     writer.put(sight.center.data(), 3);
-    writer.put(static_cast<std::uint8_t>(sight.outline_center ? 1 : 0));
-    if (sight.outline_center) writer.put(sight.outline_center->data(), 3);
     writer.put(sight.rms);
     writer.put(sight.score);
     writer.put(sight.on_board);
     writer.put(sight.around);
+    writer.put(sight.crossings);
   }
   store(name, data, writer.text());
 }

@@ -32,11 +32,11 @@ void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, co
 
 }  // namespace
 
-LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate, bool picked) {
+LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate) {
   LidarSight sight;
   sight.plane = candidate.plane;
   sight.center = candidate.T_lidar_board.t;
-  if (board.outline && !picked) sight.outline_center = candidate.T_lidar_board.t;
+  sight.crossings = candidate.crossings;
   sight.rms = candidate.rms;
   sight.score = candidate.score;
   gather_around(scan, candidate.returns, board, sight);
@@ -54,7 +54,7 @@ std::vector<LidarSight> find_sights(const Scan& scan, const Board& board) {
 Result<LidarSight> picked_sight(const Scan& scan, const Board& board, const Pick& pick) {
   const Result<BoardCandidate> picked = fit_picked_patch(scan, board, pick.row, pick.column, pick.radius);
   if (!picked) return fail(picked.error());
-  return sight_of(scan, board, *picked, true);
+  return sight_of(scan, board, *picked);
 }
 
 }  // namespace ca2

@@ -10,9 +10,8 @@
 
 namespace ca2 {
 
-/// The candidate with the returns round it. `picked`: its outline was not searched for.
-LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate,
-                    bool picked = false);
+/// The candidate with the returns round it.
+LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate);
 
 /// What may be the board, best first.
 std::vector<LidarSight> find_sights(const Scan& scan, const Board& board);

@@ -10,6 +10,7 @@
 #include "core/board/board.h"
 #include "core/geometry/plane.h"
 #include "core/geometry/pose.h"
+#include "core/lidar/edge_crossings.h"
 
 namespace ca2 {
 
@@ -29,15 +30,13 @@ struct BoardReturn {
 
 /// A LiDAR's possible sight of the board in one view: one hypothesis of several.
 struct LidarSight {
-  Plane plane;             ///< sensor frame, as the finder fitted it
-  Eigen::Vector3d center;  ///< of the patch, sensor frame, m: rough
-  /// Centre of the plate from where the returns end at its rim, sensor frame, m; only where the rig gives an
-  /// outline.
-  std::optional<Eigen::Vector3d> outline_center;
-  double rms = 0;                     ///< m
-  double score = 0;                   ///< the finder's, 0..1
-  std::vector<BoardReturn> on_board;  ///< returns the finder holds for the board, sensor frame, m
-  std::vector<BoardReturn> around;    ///< the other returns whose rays pass close to the board
+  Plane plane;                          ///< sensor frame, as the finder fitted it
+  Eigen::Vector3d center;               ///< of the patch, sensor frame, m: rough
+  std::vector<EdgeCrossing> crossings;  ///< of the plate's rim; only where the rig gives an outline
+  double rms = 0;                       ///< m
+  double score = 0;                     ///< the finder's, 0..1
+  std::vector<BoardReturn> on_board;    ///< returns the finder holds for the board, sensor frame, m
+  std::vector<BoardReturn> around;      ///< the other returns whose rays pass close to the board
 };
 
 /// One view: what each camera and each LiDAR of the rig saw, by index.

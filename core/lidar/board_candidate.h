@@ -10,6 +10,7 @@
 #include "core/board/board.h"
 #include "core/geometry/plane.h"
 #include "core/geometry/pose.h"
+#include "core/lidar/edge_crossings.h"
 #include "core/types/result.h"
 #include "core/types/scan.h"
 
@@ -21,10 +22,11 @@ struct BoardCandidate {
   Pose T_lidar_board;  ///< the board rectangle fitted to the patch: centre of the plate, x and y along its
                        ///< sides (the half and, for a square, quarter turns are arbitrary), z away from the
                        ///< sensor
-  std::vector<std::uint32_t> returns;  ///< those on the board: within the plane's noise and inside its rim
-  double rms = 0;                      ///< m, of their distances along the ray to the plane
-  double score = 0;                    ///< 0..1: how much it looks like the board; only ranks candidates
-  std::string why;                     ///< what speaks for and against it, for the report
+  std::vector<std::uint32_t> returns;   ///< those on the board: within the plane's noise and inside its rim
+  double rms = 0;                       ///< m, of their distances along the ray to the plane
+  std::vector<EdgeCrossing> crossings;  ///< of the plate's rim; none where the board has no outline
+  double score = 0;                     ///< 0..1: how much it looks like the board; only ranks candidates
+  std::string why;                      ///< what speaks for and against it, for the report
 };
 
 struct FinderOptions {

@@ -36,7 +36,13 @@ std::vector<BoardCandidate> find_board_candidates(const Scan& scan, const Board&
     const bool known = std::any_of(kept.begin(), kept.end(), [&](const BoardCandidate& other) {
       return same_place(candidate, other, std::min(extent.width, extent.height));
     });
-    if (!known) kept.push_back(std::move(candidate));
+    if (known) continue;
+    if (board.outline) {
+      candidate.crossings = find_edge_crossings(
+          scan, projection,
+          {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, candidate.rms});
+    }
+    kept.push_back(std::move(candidate));
   }
   return kept;
 }

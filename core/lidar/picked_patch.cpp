@@ -122,6 +122,10 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   candidate.T_lidar_board = pose_of(
       place_rectangle(context, fit.plane, centre, 0.95 * std::hypot(extent.width, extent.height), band),
       fit.plane);
+  if (board.outline) {
+    candidate.crossings = find_edge_crossings(
+        scan, projection, {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, fit.rms});
+  }
   candidate.score = static_cast<double>(inliers.indices.size()) / static_cast<double>(patch.size());
   candidate.why = "picked by hand: " + std::to_string(inliers.indices.size()) + " of " +
                   std::to_string(patch.size()) + " returns on the plane";

@@ -192,9 +192,9 @@ class JointReport {
   }
 
   void add_notes(Calibration& calibration) const {
-    if (answer_.outline_dropped) {
+    if (answer_.edges_dropped) {
       calibration.notes.push_back(
-          "the plates' outlines contradict the planes and were left out: is the outline in the rig right?");
+          "the plates' edges contradict the planes and were left out: is the outline in the rig right?");
     }
     for (std::size_t l = 0; l < names_.lidars.size(); ++l) {
       if (answer_.view_sigma[l] > 0) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/adjoint.h"
 
@@ -23,7 +24,7 @@ JointProblem::JointProblem(const JointInput& input)
       lidar_poses_(6 * (cameras_ - 1)),
       intrinsics_(lidar_poses_ + 6 * lidars_),
       biases_(intrinsics_ + 4 * cameras_),
-      globals_(biases_ + lidars_),
+      globals_(biases_ + 3 * lidars_),
       views_(input.views.size()) {
   for (const JointView& view : input.views) {
     auto& by_camera = whitening_.emplace_back();
@@ -109,35 +110,39 @@ double JointProblem::add_ranges(const State& state, std::size_t view, int lidar,
   const double h = m.dot(T_lidar_board.t);
   if (std::abs(h) < 1e-6) return std::numeric_limits<double>::infinity();
   const double scale = 1 / (input_.range_sigma[l] * input_.range_sigma[l]);
-  Eigen::Vector4d z;
-  z << m / h - sums->reference, state.range_bias[l];
+  const Vector5d z = sums->z(m / h, state.range_bias[l], state.range_slope[l]);
   const double cost = scale * sums->at(z);
   if (!equations) return cost;
   // q = m / h; dq = dm / h - m dh / h^2. By the board pose: dm = -R [e3]x dr, dh = e3.dt (turning about the
   // board's own origin moves no point of the axis m through it: dh = dm.t). By the LiDAR's pose: dm = [m]x
   // dr, dh = -m.dt.
-  Eigen::Matrix<double, 4, 13> D =
-      Eigen::Matrix<double, 4, 13>::Zero();  // of z by (board pose, LiDAR pose, bias)
+  Eigen::Matrix<double, 5, 14> D =
+      Eigen::Matrix<double, 5, 14>::Zero();  // of z by (board pose, LiDAR pose, bias, slope)
   const Eigen::Matrix3d by_board = -T_lidar_board.R * skew(Eigen::Vector3d::UnitZ());
   D.block<3, 3>(0, 0) = by_board / h - m * (T_lidar_board.t.transpose() * by_board) / (h * h);
   D.block<3, 3>(0, 3) = -m * Eigen::RowVector3d::UnitZ() / (h * h);
   D.block<3, 3>(0, 6) = skew(m) / h;
   D.block<3, 3>(0, 9) = m * m.transpose() / (h * h);
-  D(3, 12) = 1;
-  const Eigen::Matrix<double, 13, 13> H = scale * D.transpose() * sums->H * D;
-  const Eigen::Matrix<double, 13, 1> g = scale * D.transpose() * (sums->gradient + sums->H * z);
+  D(3, 12) = D(4, 13) = 1;
+  const Eigen::Matrix<double, 14, 14> H = scale * D.transpose() * sums->H * D;
+  const Eigen::Matrix<double, 14, 1> g = scale * D.transpose() * (sums->gradient + sums->H * z);
   const int pose = lidar_pose_index(lidar);
   const int bias = bias_index(lidar);
+  const int slope = slope_index(lidar);
   equations->Hvv += H.block<6, 6>(0, 0);
   equations->gv += g.head<6>();
   equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
-  equations->Hvg.col(bias) += H.block<6, 1>(0, 12);
   equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
-  equations->Hgg.block<6, 1>(pose, bias) += H.block<6, 1>(6, 12);
-  equations->Hgg.block<1, 6>(bias, pose) += H.block<1, 6>(12, 6);
-  equations->Hgg(bias, bias) += H(12, 12);
   equations->gg.segment<6>(pose) += g.segment<6>(6);
-  equations->gg(bias) += g(12);
+  for (const auto& [index, i] : {std::pair{bias, 12}, {slope, 13}}) {
+    equations->Hvg.col(index) += H.block<6, 1>(0, i);
+    equations->Hgg.block<6, 1>(pose, index) += H.block<6, 1>(6, i);
+    equations->Hgg.block<1, 6>(index, pose) += H.block<1, 6>(i, 6);
+    equations->Hgg(index, index) += H(i, i);
+    equations->gg(index) += g(i);
+  }
+  equations->Hgg(bias, slope) += H(12, 13);
+  equations->Hgg(slope, bias) += H(13, 12);
   return cost;
 }
 
@@ -155,7 +160,7 @@ double JointProblem::add_view(const State& state, std::size_t view, ViewEquation
   for (int c = 0; c < cameras_; ++c) cost += add_corners(state, view, c, equations);
   for (int l = 0; l < lidars_; ++l) {
     cost += add_ranges(state, view, l, equations);
-    cost += add_center(state, view, l, equations);
+    cost += add_edges(state, view, l, equations);
   }
   return cost;
 }
@@ -179,6 +184,11 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
   for (int l = 0; l < lidars_; ++l) {
     add(bias_index(l), state.range_bias[static_cast<std::size_t>(l)],
         input_.prior_bias > 0 ? 1 / (input_.prior_bias * input_.prior_bias) : held);
+    const double slope = input_.prior_range_slope[static_cast<std::size_t>(l)];
+    add(slope_index(l), state.range_slope[static_cast<std::size_t>(l)],
+        slope > 0 ? 1 / (slope * slope) : held);
+    add(dilation_index(l), state.dilation[static_cast<std::size_t>(l)],
+        input_.prior_dilation > 0 ? 1 / (input_.prior_dilation * input_.prior_dilation) : held);
   }
   for (const RelativePrior& prior : input_.relative) {
     // T_a_b now = T_ref_a^-1 T_ref_b; perturbing b adds d, perturbing a adds -Ad(T_b_a) d.
@@ -266,6 +276,8 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
     const auto i = static_cast<std::size_t>(l);
     next.T_ref_lidar[i] = state.T_ref_lidar[i].perturbed(step.segment<6>(lidar_pose_index(l)));
     next.range_bias[i] += step(bias_index(l));
+    next.range_slope[i] += step(slope_index(l));
+    next.dilation[i] += step(dilation_index(l));
   }
   for (std::size_t v = 0; v < views_.size(); ++v) {
     next.T_ref_board[v] =
@@ -274,27 +286,47 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
   return next;
 }
 
-double JointProblem::add_center(const State& state, std::size_t view, int lidar,
-                                ViewEquations* equations) const {
+double JointProblem::add_edges(const State& state, std::size_t view, int lidar,
+                               ViewEquations* equations) const {
   const auto l = static_cast<std::size_t>(lidar);
-  const std::optional<CenterSight>& sight = input_.views[view].centers[l];
-  if (!sight) return 0;
+  const std::vector<EdgeSums>& edges = input_.views[view].edges[l];
+  if (edges.empty()) return 0;
   const Pose T_lidar_board = state.T_ref_lidar[l].inverse() * state.T_ref_board[view];
-  const Eigen::Vector3d p_board(input_.plate_center.x(), input_.plate_center.y(), 0);
-  const Eigen::Vector3d p = T_lidar_board * p_board;
-  const Eigen::Vector3d e = p - sight->center;
-  const double cost = 0.5 * e.dot(sight->information * e);
+  Eigen::Matrix<double, 13, 13> H =
+      Eigen::Matrix<double, 13, 13>::Zero();  // board pose, LiDAR pose, dilation
+  Eigen::Matrix<double, 13, 1> g = Eigen::Matrix<double, 13, 1>::Zero();
+  double cost = 0;
+  for (const EdgeSums& edge : edges) {
+    const Eigen::Vector4d z = edge.at(T_lidar_board, state.dilation[l]);
+    const Eigen::Vector4d Hz = edge.H * z;
+    cost += 0.5 * z.dot(Hz);
+    if (!equations) continue;
+    const Eigen::Vector3d a = T_lidar_board * edge.a;
+    const Eigen::Vector3d b = T_lidar_board * edge.b;
+    const Eigen::Vector3d normal = z.head<3>();
+    Eigen::Matrix<double, 3, 12> by_a, by_b;  // of the ends, by board pose and LiDAR pose
+    by_a << -T_lidar_board.R * skew(edge.a), T_lidar_board.R, skew(a), -Eigen::Matrix3d::Identity();
+    by_b << -T_lidar_board.R * skew(edge.b), T_lidar_board.R, skew(b), -Eigen::Matrix3d::Identity();
+    Eigen::Matrix<double, 4, 13> J = Eigen::Matrix<double, 4, 13>::Zero();
+    J.topLeftCorner<3, 12>() = (Eigen::Matrix3d::Identity() - normal * normal.transpose()) /
+                               a.cross(b).norm() * (skew(a) * by_b - skew(b) * by_a);
+    J(3, 12) = 1;
+    H.noalias() += J.transpose() * edge.H * J;
+    g.noalias() += J.transpose() * Hz;
+  }
   if (!equations) return cost;
-  Eigen::Matrix<double, 3, 12> J;  // by board pose, LiDAR pose
-  J << -T_lidar_board.R * skew(p_board), T_lidar_board.R, skew(p), -Eigen::Matrix3d::Identity();
-  const Eigen::Matrix<double, 12, 12> H = J.transpose() * sight->information * J;
-  const Eigen::Matrix<double, 12, 1> g = J.transpose() * (sight->information * e);
   const int pose = lidar_pose_index(lidar);
+  const int dilation = dilation_index(lidar);
   equations->Hvv += H.block<6, 6>(0, 0);
   equations->gv += g.head<6>();
   equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
+  equations->Hvg.col(dilation) += H.block<6, 1>(0, 12);
   equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
-  equations->gg.segment<6>(pose) += g.tail<6>();
+  equations->Hgg.block<6, 1>(pose, dilation) += H.block<6, 1>(6, 12);
+  equations->Hgg.block<1, 6>(dilation, pose) += H.block<1, 6>(12, 6);
+  equations->Hgg(dilation, dilation) += H(12, 12);
+  equations->gg.segment<6>(pose) += g.segment<6>(6);
+  equations->gg(dilation) += g(12);
   return cost;
 }
 
@@ -329,8 +361,8 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) const {
     const std::optional<RangeSums>& sums = input_.views[view].ranges[i];
     if (!sums) continue;
     const Pose T_lidar_board = state.T_ref_lidar[i].inverse() * state.T_ref_board[view];
-    Eigen::Vector4d z;
-    z << inverse_plane(board_plane(T_lidar_board)) - sums->reference, state.range_bias[i];
+    const Vector5d z =
+        sums->z(inverse_plane(board_plane(T_lidar_board)), state.range_bias[i], state.range_slope[i]);
     const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
     const Eigen::Matrix3d H = sums->H.topLeftCorner<3, 3>();
     misfit.lidars += decrement(H, gradient) / (input_.range_sigma[i] * input_.range_sigma[i]);

@@ -8,22 +8,17 @@
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
 #include "core/geometry/pose.h"
+#include "core/solve/edge_sums.h"
 #include "core/solve/misfit.h"
 #include "core/solve/range_sums.h"
 
 namespace ca2 {
 
-/// Where a LiDAR saw the plate's centre, inside the board's plane.
-struct CenterSight {
-  Eigen::Vector3d center;       ///< sensor frame, m
-  Eigen::Matrix3d information;  ///< 1/m^2; none across the plane
-};
-
 /// What a view contributes, by sensor index. Sensors that did not see the board contribute nothing.
 struct JointView {
   std::vector<std::vector<Corner>> corners;  ///< by camera; covariance in px^2, already scaled to the truth
-  std::vector<std::optional<RangeSums>> ranges;     ///< by LiDAR
-  std::vector<std::optional<CenterSight>> centers;  ///< by LiDAR
+  std::vector<std::optional<RangeSums>> ranges;  ///< by LiDAR
+  std::vector<std::vector<EdgeSums>> edges;      ///< by LiDAR: of the plate's sides
 };
 
 /// A known relative pose of two sensors (a factory stereo pair), with its information.
@@ -36,14 +31,16 @@ struct RelativePrior {
 
 /// Everything that is held while solving.
 struct JointInput {
-  std::vector<Eigen::Vector2d> board_corners;              ///< by id, board frame, m
-  Eigen::Vector2d plate_center = Eigen::Vector2d::Zero();  ///< board frame, m
-  std::vector<Camera> cameras;                             ///< intrinsics as given: the priors' means
+  std::vector<Eigen::Vector2d> board_corners;  ///< by id, board frame, m
+  std::vector<Camera> cameras;                 ///< intrinsics as given: the priors' means
   std::vector<JointView> views;
   std::vector<RelativePrior> relative;
   std::vector<double> range_sigma;                ///< by LiDAR, m
   std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
   double prior_bias = 0;                          ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
+  std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
+  double prior_dilation =
+      0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it at 0
   double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
 };
 
@@ -51,16 +48,19 @@ struct JointInput {
 struct JointState {
   std::vector<Pose> T_ref_camera;
   std::vector<Pose> T_ref_lidar;
-  std::vector<Camera> cameras;     ///< current intrinsics
-  std::vector<double> range_bias;  ///< by LiDAR, m
-  std::vector<Pose> T_ref_board;   ///< by view
+  std::vector<Camera> cameras;      ///< current intrinsics
+  std::vector<double> range_bias;   ///< by LiDAR, m
+  std::vector<double> range_slope;  ///< by LiDAR, m per sine of the elevation, see RangeSums
+  std::vector<double> dilation;     ///< by LiDAR, rad, see EdgeSums
+  std::vector<Pose> T_ref_board;    ///< by view
 };
 
 /// Costs and normal equations for `minimize`. The board poses are eliminated view by view (Schur complement),
 /// so that a step costs time linear in the views.
 ///
 /// Order of the global unknowns: 6 per camera but the first, 6 per LiDAR, 4 per camera (fx, fy, cx, cy), 1
-/// per LiDAR (range bias); poses as right perturbations (rotation, translation) of T_ref_sensor.
+/// per LiDAR (range bias), 1 per LiDAR (dilation), 1 per LiDAR (range slope); poses as right perturbations
+/// (rotation, translation) of T_ref_sensor.
 class JointProblem {
  public:
   using State = JointState;
@@ -80,6 +80,8 @@ class JointProblem {
   int lidar_pose_index(int lidar) const { return lidar_poses_ + 6 * lidar; }
   int intrinsics_index(int camera) const { return intrinsics_ + 4 * camera; }
   int bias_index(int lidar) const { return biases_ + lidar; }
+  int dilation_index(int lidar) const { return biases_ + lidars_ + lidar; }
+  int slope_index(int lidar) const { return biases_ + 2 * lidars_ + lidar; }
 
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
@@ -98,7 +100,7 @@ class JointProblem {
   double add_view(const State& state, std::size_t view, ViewEquations* equations) const;
   double add_corners(const State& state, std::size_t view, int camera, ViewEquations* equations) const;
   double add_ranges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
-  double add_center(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
+  double add_edges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
   double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference

@@ -9,7 +9,7 @@
 #include "core/geometry/scaled_inverse.h"
 #include "core/solve/board_rays.h"
 #include "core/solve/corner_noise.h"
-#include "core/solve/outline_centers.h"
+#include "core/solve/view_use.h"
 
 namespace ca2 {
 namespace {
@@ -31,15 +31,18 @@ class Solver {
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
     answer_.view_sigma.assign(lidars_, 0);
-    answer_.center_sigma.assign(lidars_, 0);
+    answer_.edge_noise.resize(lidars_);
     answer_.outline_offset.assign(lidars_, std::numeric_limits<double>::quiet_NaN());
-    input_.plate_center = board.extent().center;
+    input_.prior_dilation = dilation_sigma;
+    outlines_.assign(views.size(), board.extent());
     correction_.resize(lidars_);
     answer_.corner_scale.assign(cameras.size(), 1);
     state_.T_ref_camera = seed.T_ref_camera;
     state_.T_ref_lidar = seed.T_ref_lidar;
     state_.cameras = cameras;
     state_.range_bias.assign(lidars_, 0);
+    state_.range_slope.assign(lidars_, 0);
+    state_.dilation.assign(lidars_, 0);
     state_.T_ref_board.resize(views.size());
     corners_.resize(views.size());
     const int count = static_cast<int>(input_.board_corners.size());
@@ -68,7 +71,7 @@ class Solver {
     while (drop_worst()) solve(Returns::by_ray);
     explain_misfit();
     finish();
-    add_outlines();
+    add_edges();
     return std::move(answer_);
   }
 
@@ -86,18 +89,7 @@ class Solver {
     JointViewOutcome& outcome = answer_.views[v];
     outcome.used = sensors_in(v) >= 2;
     if (outcome.used) return;
-    const bool camera =
-        std::any_of(corners_[v].begin(), corners_[v].end(), [](const auto& c) { return !c.empty(); });
-    const bool lidar = std::any_of(views_[v].lidars.begin(), views_[v].lidars.end(),
-                                   [](const auto& l) { return !l.empty(); });
-    if (!views_[v].problem.empty())
-      outcome.reason = views_[v].problem;
-    else if (!camera)
-      outcome.reason = "no camera found the board";
-    else if (!lidar)
-      outcome.reason = "no LiDAR found anything of the board's size";
-    else
-      outcome.reason = "nothing the LiDAR found sits where the other views say the board is";
+    outcome.reason = why_unusable(views_[v]);
   }
 
   Pose T_lidar_board(std::size_t v, std::size_t l) const {
@@ -109,6 +101,7 @@ class Solver {
     active_.clear();
     input_.views.clear();
     input_.range_sigma = answer_.range_sigma;
+    input_.prior_range_slope.resize(lidars_);
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!answer_.views[v].used) continue;
       active_.push_back(v);
@@ -119,15 +112,14 @@ class Solver {
         for (Corner& corner : view.corners[c]) corner.covariance *= scale;
       }
       view.ranges.resize(lidars_);
-      view.centers.resize(lidars_);
+      view.edges.resize(lidars_);
     }
     for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l, returns);
-    if (use_outlines_) prepare_centers();
+    if (edge_slack_ > 0) prepare_edges();
   }
 
   /// The sums of one LiDAR's returns in every view in use.
   void prepare_ranges(std::size_t l, Returns returns) {
-    const Outline outline = board_.extent();
     std::vector<std::vector<BoardReturn>> inside(active_.size());
     std::vector<CorrectionPatch> patches;
     for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -141,16 +133,18 @@ class Solver {
         continue;
       }
       const Pose pose = T_lidar_board(v, l);
-      inside[i] = returns_through_board(sight, outline, pose, margin(pose));
+      inside[i] = returns_through_board(sight, outlines_[v], pose, margin(pose));
       relate_to_white(inside[i]);
       if (inside[i].size() < 10) continue;
       const double gate = this->gate(v, l);
       patches.push_back(
           {inside[i], fit_plane_along_rays(inside[i], board_plane(pose), gate, nullptr, correction_[l])});
     }
+    input_.prior_range_slope[l] = 0;
     if (returns == Returns::as_found) return;
     correction_[l] =
         estimate_range_correction(patches, answer_.range_sigma[l], 0.01 + 5 * answer_.range_sigma[l]);
+    input_.prior_range_slope[l] = correction_[l].slope_sigma;
     for (std::size_t i = 0; i < active_.size(); ++i) {
       if (inside[i].empty()) continue;
       const Eigen::Vector3d reference = inverse_plane(board_plane(T_lidar_board(active_[i], l)));
@@ -208,15 +202,9 @@ class Solver {
       double squares = 0;
       double freedom = 0;
       for (const JointView& view : input_.views) {
-        const std::optional<RangeSums>& sums = view.ranges[l];
-        if (!sums) continue;
-        Eigen::Vector4d z = Eigen::Vector4d::Zero();
-        z(3) = state_.range_bias[l];
-        const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
-        const double own =
-            sums->at(z) - 0.5 * gradient.dot(sums->H.topLeftCorner<3, 3>().ldlt().solve(gradient));
-        squares += 2 * std::max(0.0, own);
-        freedom += sums->weight - 3;
+        if (!view.ranges[l]) continue;
+        squares += view.ranges[l]->about_own_plane(state_.range_bias[l], state_.range_slope[l]);
+        freedom += view.ranges[l]->weight - 3;
       }
       if (freedom > 0) answer_.range_sigma[l] = std::max(1e-5, std::sqrt(squares / freedom));
     }
@@ -238,13 +226,7 @@ class Solver {
     Misfit sum;
     sum.lidar_freedom = -6 * static_cast<int>(lidars_);
     sum.camera_freedom = -6 * (static_cast<int>(input_.cameras.size()) - 1);
-    for (const std::size_t v : active_) {
-      const Misfit& one = answer_.views[v].misfit;
-      sum.lidars += one.lidars;
-      sum.cameras += one.cameras;
-      sum.lidar_freedom += one.lidar_freedom;
-      sum.camera_freedom += one.camera_freedom;
-    }
+    for (const std::size_t v : active_) sum += answer_.views[v].misfit;
     return sum;
   }
 
@@ -270,59 +252,88 @@ class Solver {
     solve(Returns::by_ray);
   }
 
-  std::optional<Eigen::Vector3d> center_error(std::size_t v, std::size_t l) const {
+  /// What LiDAR `l` saw of the plate's rim in a view.
+  std::optional<EdgeView> edge_view(std::size_t v, std::size_t l) const {
     if (answer_.chosen[v][l] < 0) return std::nullopt;
     const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
-    return ca2::center_error(sight, T_lidar_board(v, l), input_.plate_center);
+    if (sight.crossings.empty()) return std::nullopt;
+    return EdgeView{sight.crossings, outlines_[v], T_lidar_board(v, l)};
+  }
+  std::vector<EdgeView> edge_views(std::size_t l) const {
+    std::vector<EdgeView> list;
+    for (const std::size_t v : active_) {
+      if (const auto view = edge_view(v, l)) list.push_back(*view);
+    }
+    return list;
   }
 
-  /// Gives the views their plate centres, with the spread they show.
-  void prepare_centers() {
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      std::vector<double> lengths;
-      for (const std::size_t v : active_) {
-        if (const auto error = center_error(v, l)) lengths.push_back(error->norm());
+  std::vector<EdgeSums> edges_of(const EdgeView& view, std::size_t l) const {
+    return edge_sums(view.crossings, view.outline, view.T_lidar_board, state_.dilation[l],
+                     answer_.edge_noise[l], edge_slack_);
+  }
+
+  /// Where the plate's centre is not the pattern's, the rims tell from which end the corners were counted.
+  void settle_half_turns() {
+    if (!board_.type->half_turn_ambiguous(board_) || board_.extent().center.isZero()) return;
+    for (const std::size_t v : active_) {
+      double gain = 0;
+      for (std::size_t l = 0; l < lidars_; ++l) {
+        std::optional<EdgeView> view = edge_view(v, l);
+        if (!view) continue;
+        gain += edge_misfit(*view, state_.dilation[l], answer_.edge_noise[l], edge_slack_);
+        view->outline.center = -view->outline.center;
+        gain -= edge_misfit(*view, state_.dilation[l], answer_.edge_noise[l], edge_slack_);
       }
-      if (lengths.size() < 3) continue;
-      answer_.center_sigma[l] = center_sigma(std::move(lengths));
+      if (gain > 0) outlines_[v].center = -outlines_[v].center;
+    }
+  }
+
+  void prepare_edges() {
+    answer_.edges = 0;
+    for (std::size_t l = 0; l < lidars_; ++l) {
       for (std::size_t i = 0; i < active_.size(); ++i) {
-        const auto error = center_error(active_[i], l);
-        if (!error || !input_.views[i].ranges[l]) continue;
-        input_.views[i].centers[l] = observe_center(*error, T_lidar_board(active_[i], l), input_.plate_center,
-                                                    answer_.center_sigma[l]);
+        const auto view = edge_view(active_[i], l);
+        if (!view) continue;
+        input_.views[i].edges[l] = edges_of(*view, l);
+        answer_.edges += static_cast<int>(input_.views[i].edges[l].size());
       }
     }
   }
 
-  /// Solves once more with the plates' outlines, which fix the position inside the planes that planes alone
+  /// Solves once more with the plates' rims, which fix the position inside the planes that planes alone
   /// leave weak. Kept unless the answer moves by more than its uncertainty without them allows.
-  void add_outlines() {
-    bool any = false;
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-      double count = 0;
-      for (const std::size_t v : active_) {
-        if (const auto e = center_error(v, l)) {
-          mean += *e;
-          count += 1;
-        }
-      }
-      if (count > 0) answer_.outline_offset[l] = mean.norm() / count;
-      any = any || count >= 3;
-    }
-    if (!any || !answer_.covariance.allFinite()) return;
+  void add_edges() {
     const JointAnswer without = answer_;
-    use_outlines_ = true;
-    for (int round = 0; round < 4; ++round) solve(Returns::by_ray);
+    for (const double slack : {0.06, 0.025, 0.015, 0.01}) {
+      edge_slack_ = slack;
+      settle_half_turns();
+      for (std::size_t l = 0; l < lidars_; ++l) {
+        const std::vector<EdgeView> views = edge_views(l);
+        if (views.empty()) continue;
+        EdgeNoise& noise = answer_.edge_noise[l];
+        noise.blur = estimate_edge_blur(views, state_.dilation[l], slack);
+        if (slack == 0.06)
+          answer_.outline_offset[l] = mean_center_offset(views, state_.dilation[l], noise, slack);
+        if (slack < 0.05)
+          noise.shared = estimate_shared_edge_error(views, state_.dilation[l], noise.blur, slack);
+      }
+      solve(Returns::by_ray);
+      if (answer_.edges == 0) break;
+    }
+    const std::vector<double> offsets = answer_.outline_offset;
     finish();
-    for (std::size_t l = 0; l < lidars_; ++l) {
+    bool contradict = answer_.edges == 0 || !answer_.covariance.allFinite();
+    for (std::size_t l = 0; l < lidars_ && !contradict && without.covariance.allFinite(); ++l) {
       const Vector6d change = without.state.T_ref_lidar[l].difference(answer_.state.T_ref_lidar[l]);
       const Eigen::Index i = 6 * static_cast<Eigen::Index>(answer_.state.T_ref_camera.size() - 1 + l);
-      if (change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6) continue;
-      answer_ = without;
-      answer_.outline_dropped = true;
-      return;
+      contradict = !(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6);
     }
+    if (!contradict) return;
+    const bool any = answer_.edges > 0;
+    answer_ = without;
+    answer_.outline_offset = offsets;
+    answer_.edges = 0;
+    answer_.edges_dropped = any;
   }
 
   /// Corner noise, from the reprojection residuals at the solution.
@@ -369,8 +380,8 @@ class Solver {
       for (std::size_t l = 0; l < lidars_; ++l) {
         const std::optional<RangeSums>& sums = input_.views[i].ranges[l];
         if (!sums) continue;
-        Eigen::Vector4d z;
-        z << inverse_plane(board_plane(T_lidar_board(v, l))) - sums->reference, active.range_bias[l];
+        const Vector5d z = sums->z(inverse_plane(board_plane(T_lidar_board(v, l))), active.range_bias[l],
+                                   active.range_slope[l]);
         squares += 2 * std::max(0.0, sums->at(z));
         weight += sums->weight;
       }
@@ -412,7 +423,9 @@ class Solver {
   const Board& board_;
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
-  bool use_outlines_ = false;
+  double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used
+  std::vector<Outline>
+      outlines_;  ///< by view: where the plate is about a pattern whose ids may start at either end
   std::vector<RangeCorrection> correction_;  ///< by LiDAR
   JointInput input_;
   JointState state_;

@@ -9,6 +9,7 @@
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
 #include "core/features/sights.h"
+#include "core/solve/edge_noise.h"
 #include "core/solve/joint_problem.h"
 #include "core/solve/rig_seed.h"
 
@@ -38,13 +39,13 @@ struct JointAnswer {
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
   std::vector<double>
       view_sigma;  ///< by LiDAR, m: what all returns of a view err by together; 0: nothing seen
-  std::vector<double>
-      center_sigma;  ///< by LiDAR, m: of a plate's centre as its outline shows it; 0: not used
-  std::vector<double>
-      outline_offset;  ///< by LiDAR, m: mean distance of these centres, in the plane, from where the
-                       ///< answer without them has the plates: an independent check; NaN: none
-  bool outline_dropped = false;   ///< the outlines contradict the rest and are not in the answer
-  double variance_factor = 1;     ///< >= 1: how much the views disagree beyond their noise
+  std::vector<EdgeNoise> edge_noise;   ///< by LiDAR
+  std::vector<double> outline_offset;  ///< by LiDAR, m: rms distance, in the plane, from the plates' centres
+                                       ///< as their rims show them to where the answer without rims has them:
+                                       ///< an independent check; NaN: none
+  int edges = 0;                       ///< sides of plates in the answer
+  bool edges_dropped = false;          ///< the rims contradict the rest and are not in the answer
+  double variance_factor = 1;          ///< >= 1: how much the views disagree beyond their noise
   Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
                                   ///< empty when any such set would not determine it
 };

@@ -38,6 +38,14 @@ std::pair<double, std::size_t> worst(std::span<const Misfit> views, double Misfi
 
 }  // namespace
 
+Misfit& Misfit::operator+=(const Misfit& other) {
+  lidars += other.lidars;
+  cameras += other.cameras;
+  lidar_freedom += other.lidar_freedom;
+  camera_freedom += other.camera_freedom;
+  return *this;
+}
+
 double misfit_excess(double misfit, int freedom) {
   const double ratio = freedom > 0 ? misfit / freedom : 0;
   return ratio > 1 + 3 * std::sqrt(2.0 / std::max(1, freedom)) ? ratio : 1;

@@ -14,6 +14,8 @@ struct Misfit {
   double cameras = 0;  ///< of the cameras with each other
   int lidar_freedom = 0;
   int camera_freedom = 0;
+
+  Misfit& operator+=(const Misfit& other);
 };
 
 /// By how much a misfit is larger than noise explains, as a factor on the variance; 1 where it may be chance.

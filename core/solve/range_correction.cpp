@@ -47,28 +47,46 @@ Layout lay_out(std::span<const CorrectionPatch> patches) {
   return layout;
 }
 
+/// How the returns lie over the rings.
+struct RingUse {
+  Eigen::VectorXd counts;
+  Eigen::VectorXd sine;  ///< of each ring's elevation, less their mean over the returns
+};
+
+RingUse use_of_rings(const Layout& layout, std::span<const CorrectionPatch> patches) {
+  const auto rings = static_cast<Eigen::Index>(layout.rings);
+  RingUse use{Eigen::VectorXd::Zero(rings), Eigen::VectorXd::Zero(rings)};
+  if (rings == 0) return use;
+  for (const CorrectionPatch& patch : patches) {
+    for (const BoardReturn& here : patch.returns) {
+      use.counts(here.ring) += 1;
+      use.sine(here.ring) += static_cast<double>(here.point.z() / here.point.norm());
+    }
+  }
+  use.sine.array() /= use.counts.array().max(1);
+  use.sine.array() -= use.sine.dot(use.counts) / std::max(1.0, use.counts.sum());
+  return use;
+}
+
 /// Offsets that are the same for all rings, or grow with the elevation, would move or tilt every board alike:
 /// to tell them from a turn of the LiDAR is the extrinsics' business. An orthonormal basis [rings x fewer] of
 /// the others.
-Eigen::MatrixXd free_ring_patterns(const Layout& layout, std::span<const CorrectionPatch> patches) {
-  const auto rings = static_cast<Eigen::Index>(layout.rings);
+Eigen::MatrixXd free_ring_patterns(const RingUse& use) {
+  const Eigen::Index rings = use.counts.size();
   if (rings == 0) return Eigen::MatrixXd(0, 0);
-  Eigen::VectorXd counts = Eigen::VectorXd::Zero(rings);
-  Eigen::VectorXd elevation = Eigen::VectorXd::Zero(rings);
-  for (const CorrectionPatch& patch : patches) {
-    for (const BoardReturn& here : patch.returns) {
-      counts(here.ring) += 1;
-      elevation(here.ring) += std::asin(std::clamp(here.point.normalized().z(), -1.0f, 1.0f));
-    }
-  }
-  elevation.array() /= counts.array().max(1);
-  const double mean = elevation.dot(counts) / std::max(1.0, counts.sum());
   Eigen::MatrixXd held(rings, 2);
-  held.col(0) = counts;
-  held.col(1) = counts.array() * (elevation.array() - mean);
+  held.col(0) = use.counts;
+  held.col(1) = use.counts.cwiseProduct(use.sine);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(held);
   const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(rings, rings);
   return Q.rightCols(rings - qr.rank());
+}
+
+/// What independent offsets of unit size have as slope over the elevation: its standard deviation.
+double slope_of_unit_offsets(const RingUse& use) {
+  const Eigen::VectorXd weighted = use.counts.cwiseProduct(use.sine);
+  const double spread = weighted.dot(use.sine);
+  return spread > 0 ? weighted.norm() / spread : 0;
 }
 
 /// Unknowns x with normal equations S x = g (in units of one return's noise), of which the first `split` and
@@ -79,12 +97,17 @@ struct Offsets {
   Eigen::Index split = 0;
 };
 
+struct Probable {
+  Eigen::VectorXd offsets;
+  double first_size = 0;  ///< of the first prior, m
+};
+
 /// The most probable offsets. The priors' sizes are those under which the data is most probable (zero among
 /// them): what chance explains is left alone, and a pattern that the data hardly shows is not blown up.
-Eigen::VectorXd most_probable(const Offsets& problem) {
+Probable most_probable(const Offsets& problem) {
   static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032};  // m
   const Eigen::Index rest = problem.S.rows() - problem.split;
-  Eigen::VectorXd best = Eigen::VectorXd::Zero(problem.S.rows());
+  Probable best{Eigen::VectorXd::Zero(problem.S.rows()), 0};
   double best_evidence = 0;  // of no offsets at all
   for (const double first : sizes) {
     if (first > 0 && problem.split == 0) break;
@@ -106,8 +129,9 @@ Eigen::VectorXd most_probable(const Offsets& problem) {
       // A doubling of the odds per size tried is not evidence.
       if (!(evidence > best_evidence + 3)) continue;
       best_evidence = evidence;
-      best.setZero();
-      best.segment(begin, count) = size.cwiseProduct(x);
+      best.offsets.setZero();
+      best.offsets.segment(begin, count) = size.cwiseProduct(x);
+      best.first_size = first;
     }
   }
   return best;
@@ -184,16 +208,18 @@ RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patch
   }
   if (total < 4 * static_cast<double>(size)) return {};
   const auto rings = static_cast<Eigen::Index>(layout.rings);
-  const Eigen::MatrixXd patterns = free_ring_patterns(layout, patches);
+  const RingUse use = use_of_rings(layout, patches);
+  const Eigen::MatrixXd patterns = free_ring_patterns(use);
   Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(size, patterns.cols() + size - rings);
   basis.topLeftCorner(rings, patterns.cols()) = patterns;
   basis.bottomRightCorner(size - rings, size - rings).setIdentity();
   const double information = 1 / (sigma * sigma);
-  const Eigen::VectorXd offsets =
-      basis * most_probable({information * basis.transpose() * H * basis, information * basis.transpose() * g,
-                             patterns.cols()});
+  const Probable probable = most_probable(
+      {information * basis.transpose() * H * basis, information * basis.transpose() * g, patterns.cols()});
+  const Eigen::VectorXd offsets = basis * probable.offsets;
   if (offsets.isZero()) return {};
   RangeCorrection correction;
+  correction.slope_sigma = probable.first_size * slope_of_unit_offsets(use);
   const auto centred = [&](Eigen::Index first, Eigen::Index count) {
     const double mean = offsets.segment(first, count).dot(counts.segment(first, count)) /
                         std::max(1.0, counts.segment(first, count).sum());

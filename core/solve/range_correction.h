@@ -16,6 +16,10 @@ struct RangeCorrection {
   std::vector<double> by_ring;         ///< measured minus true
   std::vector<float> intensity_edges;  ///< rising; bin i holds intensities from edge i - 1 to edge i
   std::vector<double> by_intensity;    ///< one more than edges, or empty
+  /// The lasers' offsets have no part in `by_ring` that grows with the elevation: it would tilt every board
+  /// alike, and only the rest of the calibration can tell it. By their spread it has this standard deviation,
+  /// m per sine of the elevation; 0 where the lasers show no offsets.
+  double slope_sigma = 0;
 
   double at(const BoardReturn& here) const;
 };

@@ -1,6 +1,7 @@
 #include "core/solve/range_sums.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace ca2 {
@@ -9,24 +10,30 @@ Eigen::Vector3d inverse_plane(const Plane& plane) {
   return -plane.normal / plane.offset;
 }
 
+double RangeSums::about_own_plane(double bias, double slope) const {
+  const Vector5d here = z(reference, bias, slope);
+  const Eigen::Vector3d g = (gradient + H * here).head<3>();
+  return std::max(0.0, 2 * at(here) - g.dot(H.topLeftCorner<3, 3>().ldlt().solve(g)));
+}
+
 RangeSums RangeSums::with_shared_error(double shared, double sigma) const {
   if (!(shared > 0) || !(weight > 0)) return *this;
   // The residuals' derivative by q is about -rho p: its mean gives the patch's centre.
-  const Eigen::Vector3d mean = -H.topRightCorner<3, 1>() / weight;
+  const Eigen::Vector3d mean = -H.block<3, 1>(0, 3) / weight;
   const Eigen::Vector3d center = mean / std::sqrt(mean.norm());
   const Eigen::Vector3d normal = reference.normalized();
   const double distance = 1 / reference.norm();
   const Eigen::Vector3d across = normal.unitOrthogonal();
   const Eigen::Vector3d along = normal.cross(across);
   // q by the displacement along the normal, and by the tilts about the centre.
-  Eigen::Matrix<double, 4, 3> D = Eigen::Matrix<double, 4, 3>::Zero();
+  Eigen::Matrix<double, 5, 3> D = Eigen::Matrix<double, 5, 3>::Zero();
   D.topRows<3>().col(0) = -normal / (distance * distance);
   D.topRows<3>().col(1) = across / distance - normal * across.dot(center) / (distance * distance);
   D.topRows<3>().col(2) = along / distance - normal * along.dot(center) / (distance * distance);
   const Eigen::Matrix3d pivot =
       D.transpose() * H * D + sigma * sigma / (shared * shared) * Eigen::Matrix3d::Identity();
   const Eigen::LLT<Eigen::Matrix3d> llt(pivot);
-  const Eigen::Matrix<double, 4, 3> HD = H * D;
+  const Eigen::Matrix<double, 5, 3> HD = H * D;
   const Eigen::Vector3d gD = D.transpose() * gradient;
   RangeSums sums = *this;
   sums.H -= HD * llt.solve(HD.transpose());
@@ -40,10 +47,7 @@ RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d
   RangeSums sums;
   sums.reference = reference;
   // d/dq of 1/(u.q) is -rho^2 u: in terms of the predicted point p = rho u, -rho p.
-  Eigen::Matrix3d Hqq = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d Hqb = Eigen::Vector3d::Zero();
-  Eigen::Vector3d gq = Eigen::Vector3d::Zero();
-  double gb = 0;
+  Matrix5d& H = sums.H;
   for (const BoardReturn& here : returns) {
     const Eigen::Vector3d p = here.point.cast<double>();
     const double range = p.norm();
@@ -52,19 +56,13 @@ RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d
     const double predicted = 1 / inverse;
     const double residual = range - correction.at(here) - predicted;
     if (!(std::abs(residual - bias) <= gate)) continue;
-    const Eigen::Vector3d jacobian = predicted * predicted / range * p;  // of the residual by q
-    Hqq.noalias() += jacobian * jacobian.transpose();
-    Hqb -= jacobian;
-    gq += residual * jacobian;
-    gb -= residual;
+    Vector5d jacobian;  // of the residual by z
+    jacobian << predicted * predicted / range * p, -1, -p.z() / range;
+    H.noalias() += jacobian * jacobian.transpose();
+    sums.gradient += residual * jacobian;
     sums.cost += 0.5 * residual * residual;
     sums.weight += 1;
   }
-  sums.H.topLeftCorner<3, 3>() = Hqq;
-  sums.H.topRightCorner<3, 1>() = Hqb;
-  sums.H.bottomLeftCorner<1, 3>() = Hqb.transpose();
-  sums.H(3, 3) = sums.weight;
-  sums.gradient << gq, gb;
   return sums;
 }
 

@@ -14,14 +14,17 @@ namespace ca2 {
 /// is 1 / (u.q), smooth in q.
 Eigen::Vector3d inverse_plane(const Plane& plane);
 
-/// Quadratic model of 1/2 sum w_i (rho_i - b - 1/(u_i.q))^2, in m^2, over the returns of one patch, around
-/// q = `reference`, b = 0:  cost + gradient.z + 1/2 z'Hz with z = (q - reference, b).
-/// The range residual is linearised at the predicted point, where the ray meets the reference plane:
-/// linearised at the measured point the noise enters the weights and the answer is biased.
+using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
+
+/// Quadratic model of 1/2 sum w_i (rho_i - b - s sin(e_i) - 1/(u_i.q))^2, in m^2, over the returns of one
+/// patch, e their elevations, around q = `reference`, b = s = 0:  cost + gradient.z + 1/2 z'Hz with z = (q -
+/// reference, b, s). The range residual is linearised at the predicted point, where the ray meets the
+/// reference plane: linearised at the measured point the noise enters the weights and the answer is biased.
 struct RangeSums {
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();
-  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  Matrix5d H = Matrix5d::Zero();
+  Vector5d gradient = Vector5d::Zero();
   double cost = 0;    ///< m^2
   double weight = 0;  ///< sum of the weights: the effective number of returns
 
@@ -30,8 +33,14 @@ struct RangeSums {
   /// beside `sigma` [m] of one return. More returns then tell no more than that.
   RangeSums with_shared_error(double shared, double sigma) const;
 
-  /// The cost at (q, b), m^2.
-  double at(const Eigen::Vector4d& z) const { return cost + gradient.dot(z) + 0.5 * z.dot(H * z); }
+  /// z of a plane, given as `inverse_plane`, a bias and a slope.
+  Vector5d z(const Eigen::Vector3d& inverse, double bias, double slope) const {
+    return (Vector5d() << inverse - reference, bias, slope).finished();
+  }
+  /// Sum of squares about the plane that fits these returns best, m^2.
+  double about_own_plane(double bias, double slope) const;
+  /// The cost at z, m^2.
+  double at(const Vector5d& z) const { return cost + gradient.dot(z) + 0.5 * z.dot(H * z); }
 };
 
 /// The sums over `returns`, their ranges corrected, each with weight 1 where its residual to the reference

@@ -44,6 +44,8 @@ Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<Simu
       for (std::size_t i = 0; i < scan->second.size(); ++i) {
         sight.on_board.push_back({scan->second.points[i], scan->second.intensity[i], scan->second.ring[i]});
       }
+      if (const auto rim = view.crossings.find(name); rim != view.crossings.end() && rig.board.outline)
+        sight.crossings = rim->second;
       sight.score = 1;
     }
   }

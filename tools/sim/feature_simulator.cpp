@@ -5,6 +5,7 @@
 
 #include "tools/sim/placement.h"
 #include "tools/sim/range_model.h"
+#include "tools/sim/rim_simulator.h"
 
 namespace ca2 {
 namespace {
@@ -32,8 +33,10 @@ std::vector<Corner> observe(const SimulatedCamera& sensor, const Scenario& scena
 }
 
 void observe(const SimulatedLidar& sensor, const Scenario& scenario, const Pose& T_lidar_board,
-             std::mt19937_64& rng, Scan& scan, std::vector<BeamRay>& rays) {
+             std::mt19937_64& rng, Scan& scan, std::vector<BeamRay>& rays,
+             std::vector<EdgeCrossing>& crossings) {
   const Plate plate{scenario.board.extent(), scenario.bend};
+  RimSimulator rim(sensor, T_lidar_board, plate);
   scan.rings = sensor.beams.rings;
   scan.columns = sensor.beams.columns;
   for (int sweep = 0; sweep < sensor.noise.sweeps; ++sweep) {
@@ -49,7 +52,9 @@ void observe(const SimulatedLidar& sensor, const Scenario& scenario, const Pose&
       scan.column.push_back(static_cast<std::uint32_t>(hit.column));
       rays.push_back(hit.ray);
     }
+    rim.add_revolution(azimuth, rng);
   }
+  crossings = rim.crossings();
 }
 
 /// The cameras see the board at one place, the LiDARs at another (the same, unless the view is to lie).
@@ -63,7 +68,7 @@ SimulatedView observe_both(const Scenario& scenario, const std::vector<std::stri
       view.corners[name] = observe(camera->second, scenario, view.T_sensor_board[name], rng);
     } else {
       observe(scenario.lidars.at(name), scenario, T_sensor_rig * T_rig_scanned, rng, view.board_returns[name],
-              view.rays[name]);
+              view.rays[name], view.crossings[name]);
     }
   }
   return view;
@@ -108,6 +113,10 @@ void change_lidar_frame(SimulatedView& view, const std::string& lidar, const Pos
   }
   for (BeamRay& ray : view.rays.at(lidar)) {
     ray = {T_new_old * ray.origin, T_new_old.R * ray.direction};
+  }
+  for (EdgeCrossing& crossing : view.crossings.at(lidar)) {
+    crossing.inside = T_new_old.R.cast<float>() * crossing.inside;
+    crossing.outside = T_new_old.R.cast<float>() * crossing.outside;
   }
   view.T_sensor_board.at(lidar) = T_new_old * view.T_sensor_board.at(lidar);
 }

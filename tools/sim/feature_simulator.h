@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/lidar/edge_crossings.h"
 #include "core/types/scan.h"
 #include "tools/sim/scenario.h"
 
@@ -20,6 +21,8 @@ struct SimulatedView {
   std::map<std::string, Scan> board_returns;
   /// By LiDAR: the beam of each return, LiDAR frame.
   std::map<std::string, std::vector<BeamRay>> rays;
+  /// By LiDAR: where its rings enter and leave the plate, LiDAR frame.
+  std::map<std::string, std::vector<EdgeCrossing>> crossings;
   /// By sensor: where the board really was, also where a LiDAR saw something else (`wrong_object`).
   std::map<std::string, Pose> T_sensor_board;
   WrongObject wrong_object = WrongObject::none;  ///< why the returns are not from the board's true place

@@ -76,7 +76,6 @@ LidarSight Script::sight_of(const Pose& T_lidar_board) {
   }
   sight.plane = fit_plane(points);
   sight.center = T_lidar_board.t;
-  sight.outline_center = sight.center;
   sight.rms = range_sigma;
   sight.score = 0.8;
   return sight;

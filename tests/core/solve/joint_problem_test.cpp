@@ -28,11 +28,12 @@ struct Example {
     for (int y = 0; y < 3; ++y) {
       for (int x = 0; x < 4; ++x) input.board_corners.emplace_back(0.1 * x - 0.15, 0.1 * y - 0.1);
     }
-    input.plate_center = {0.02, -0.01};
     input.cameras = {camera, camera};
     input.range_sigma = {0.01, 0.02};
     input.prior_intrinsics = {Eigen::Vector4d(2, 2, 1, 1), Eigen::Vector4d(3, 3, 2, 2)};
     input.prior_bias = 0.01;
+    input.prior_dilation = 0.004;
+    input.prior_range_slope = {0.02, 0.01};
     Pose T_camera_lidar;
     T_camera_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
     state.T_ref_camera = {Pose{}, Pose{}.perturbed(small(0.05, 0.2))};
@@ -42,12 +43,14 @@ struct Example {
     state.cameras[0].parameters(0) += 1.5;
     state.cameras[1].parameters(3) -= 0.7;
     state.range_bias = {0.004, -0.007};
+    state.range_slope = {0.003, -0.002};
+    state.dilation = {0.001, 0.002};
     for (int v = 0; v < 3; ++v) {
       Pose T_ref_board = Pose{Eigen::Matrix3d::Identity(), {0.1 * v, 0.05, 2}}.perturbed(small(0.3, 0.05));
       state.T_ref_board.push_back(T_ref_board);
       JointView& view = input.views.emplace_back();
       view.ranges.resize(2);
-      view.centers.resize(2);
+      view.edges.resize(2);
       for (std::size_t s = 0; s < 2; ++s) {
         auto& corners = view.corners.emplace_back();
         for (int id = 0; id < 12; ++id) {
@@ -65,9 +68,18 @@ struct Example {
           returns.push_back({((1 + 0.004 * normal(rng)) * p).cast<float>()});
         }
         view.ranges[s] = range_sums(returns, inverse_plane(board_plane(T_lidar_board)), 0, 1);
-        const Eigen::Vector3d n = T_lidar_board.R.col(2);
-        view.centers[s] = CenterSight{T_lidar_board.t + Eigen::Vector3d(0.01, 0.02, 0.005),
-                                      1e4 * (Eigen::Matrix3d::Identity() - n * n.transpose())};
+        std::vector<EdgeCrossing> crossings;
+        for (int i = 0; i < 40; ++i) {
+          // Across the upright sides, with gaps of 6 mm.
+          const double x = (i % 2 ? 0.25 : -0.25) + 0.002 * normal(rng), y = 0.16 * (i / 40.0 - 0.5);
+          const double out = i % 2 ? 0.003 : -0.003;
+          const auto ray = [&](double at) {
+            return Eigen::Vector3f((T_lidar_board * Eigen::Vector3d(at, y, 0)).normalized().cast<float>());
+          };
+          crossings.push_back({ray(x - out), ray(x + out), 1, static_cast<std::uint16_t>(i), false});
+        }
+        view.edges[s] =
+            edge_sums(crossings, {0.5, 0.4, Eigen::Vector2d::Zero()}, T_lidar_board, 0, {1e-4, 1e-3}, 0.02);
       }
     }
     input.relative.push_back(

@@ -28,12 +28,13 @@ std::vector<BoardReturn> patch(int count, double sigma, std::mt19937_64& rng) {
   return returns;
 }
 
-/// 1/2 sum of (range - bias - predicted)^2, without any sums.
-double plain_cost(const std::vector<BoardReturn>& returns, const Eigen::Vector3d& q, double bias) {
+/// 1/2 sum of (range - bias - slope sine - predicted)^2, without any sums.
+double plain_cost(const std::vector<BoardReturn>& returns, const Eigen::Vector3d& q, double bias,
+                  double slope = 0) {
   double cost = 0;
   for (const BoardReturn& here : returns) {
     const Eigen::Vector3d p = here.point.cast<double>();
-    const double residual = p.norm() - bias - p.norm() / p.dot(q);
+    const double residual = p.norm() - bias - slope * p.z() / p.norm() - p.norm() / p.dot(q);
     cost += 0.5 * residual * residual;
   }
   return cost;
@@ -47,10 +48,11 @@ TEST(RangeSums, CostAndGradientAreThoseOfTheReturns) {
   EXPECT_EQ(sums.weight, 200);
   EXPECT_NEAR(sums.cost, plain_cost(returns, q, 0), 1e-12);
   const double h = 1e-6;
-  for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector4d z = h * Eigen::Vector4d::Unit(k);
-    const double numeric =
-        (plain_cost(returns, q + z.head<3>(), z(3)) - plain_cost(returns, q - z.head<3>(), -z(3))) / (2 * h);
+  for (int k = 0; k < 5; ++k) {
+    const Vector5d z = h * Vector5d::Unit(k);
+    const double numeric = (plain_cost(returns, q + z.head<3>(), z(3), z(4)) -
+                            plain_cost(returns, q - z.head<3>(), -z(3), -z(4))) /
+                           (2 * h);
     EXPECT_NEAR(sums.gradient(k), numeric, 1e-6 * (1 + std::abs(numeric))) << k;
   }
 }
@@ -61,11 +63,11 @@ TEST(RangeSums, HessianIsThatOfNoiseFreeReturns) {
   const Eigen::Vector3d q = inverse_plane(plane);
   const RangeSums sums = range_sums(returns, q, 0, 1);
   const double h = 1e-4;
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 4; ++k) {
+  for (int i = 0; i < 5; ++i) {
+    for (int k = 0; k < 5; ++k) {
       const auto cost = [&](double a, double b) {
-        const Eigen::Vector4d z = a * Eigen::Vector4d::Unit(i) + b * Eigen::Vector4d::Unit(k);
-        return plain_cost(returns, q + z.head<3>(), z(3));
+        const Vector5d z = a * Vector5d::Unit(i) + b * Vector5d::Unit(k);
+        return plain_cost(returns, q + z.head<3>(), z(3), z(4));
       };
       const double numeric = (cost(h, h) - cost(h, -h) - cost(-h, h) + cost(-h, -h)) / (4 * h * h);
       EXPECT_NEAR(sums.H(i, k), numeric, 1e-4 * sums.H.norm()) << i << k;

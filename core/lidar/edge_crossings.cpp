@@ -1,0 +1,238 @@
+#include "core/lidar/edge_crossings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace ca2 {
+namespace {
+
+/// Azimuths nearer than this are one look of a sensor whose sweeps fire at the same places, rad.
+constexpr double same_place = 1e-4;
+/// How far outside the roughly placed rectangle the board may still reach, m.
+constexpr double slack = 0.03;
+
+enum class Seen { board, behind, before };
+
+/// What a ring saw at one azimuth.
+struct Sample {
+  double azimuth = 0;       ///< rad, from the board's centre
+  Eigen::Vector3d hit;      ///< where the ray meets the plane, sensor frame, m
+  Eigen::Vector2d p_plate;  ///< the same in the plate's coordinates
+  double behind = 0;        ///< m along the ray
+  Seen seen = Seen::behind;
+};
+
+using Ring = std::vector<Sample>;  ///< by rising azimuth
+
+class RimFinder {
+ public:
+  RimFinder(const Scan& scan, const Projection& projection, const RimSearch& board)
+      : scan_(scan),
+        projection_(projection),
+        board_(board),
+        rings_(static_cast<std::size_t>(projection.rings)) {
+    const Eigen::Vector3d& center = board.T_lidar_board.t;
+    distance_ = center.head<2>().norm();
+    azimuth_ = std::atan2(center.y(), center.x());
+    radius_ = 0.5 * std::hypot(board.width, board.height) + 0.25;
+    band_ = std::max(0.02, 4 * board.noise);
+  }
+
+  std::vector<EdgeCrossing> find() {
+    if (!projection_.beams || distance_ < 1.1 * radius_) return {};
+    for (std::size_t r = 0; r < rings_.size(); ++r) rings_[r] = gather(static_cast<int>(r));
+    measure_step();
+    if (!(step_ > 0)) return {};
+    for (std::size_t r = 0; r < rings_.size(); ++r) add_ends(static_cast<std::uint16_t>(r));
+    add_outermost_rings();
+    return std::move(crossings_);
+  }
+
+ private:
+  bool on_plate(const Sample& sample) const {
+    return sample.seen == Seen::board && std::abs(sample.p_plate.x()) <= 0.5 * board_.width + slack &&
+           std::abs(sample.p_plate.y()) <= 0.5 * board_.height + slack;
+  }
+
+  std::optional<Sample> look(const Eigen::Vector3d& p) const {
+    const double range = p.norm();
+    const double toward = -board_.plane.normal.dot(p) / range;
+    if (!(toward > 0.02)) return std::nullopt;
+    Sample sample;
+    const double expected = board_.plane.offset / toward;
+    sample.hit = expected / range * p;
+    const Eigen::Vector3d p_board = board_.T_lidar_board.inverse() * sample.hit;
+    if (p_board.norm() > radius_) return std::nullopt;
+    sample.p_plate = p_board.head<2>();
+    sample.azimuth = std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi);
+    sample.behind = range - expected;
+    sample.seen = sample.behind > band_ ? Seen::behind : sample.behind < -band_ ? Seen::before : Seen::board;
+    return sample;
+  }
+
+  /// The samples of a ring round the board. Several looks at one place are one: the board where most of them
+  /// ended on it.
+  Ring gather(int ring) const {
+    Ring all;
+    const double columns_per_rad = 1 / projection_.column_angle();
+    const int half = std::min(static_cast<int>(std::asin(radius_ / distance_) * columns_per_rad) + 2,
+                              projection_.columns / 2 - 1);
+    const int middle = static_cast<int>((std::numbers::pi - azimuth_) * columns_per_rad);
+    for (int k = -half; k <= half; ++k) {
+      const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
+      for (const std::uint32_t i : projection_.cell(ring, column)) {
+        if (const auto sample = look(scan_.points[i].cast<double>())) all.push_back(*sample);
+      }
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const Sample& a, const Sample& b) { return a.azimuth < b.azimuth; });
+    Ring merged;
+    for (std::size_t i = 0; i < all.size();) {
+      std::size_t end = i + 1;
+      while (end < all.size() && all[end].azimuth - all[i].azimuth < same_place) ++end;
+      const auto first = all.begin() + static_cast<std::ptrdiff_t>(i);
+      const auto last = all.begin() + static_cast<std::ptrdiff_t>(end);
+      const auto is = [](Seen seen) { return [seen](const Sample& s) { return s.seen == seen; }; };
+      Seen seen = std::any_of(first, last, is(Seen::before)) ? Seen::before : Seen::behind;
+      if (2 * std::count_if(first, last, is(Seen::board)) >= last - first) seen = Seen::board;
+      merged.push_back(*std::find_if(first, last, is(seen)));
+      i = end;
+    }
+    return merged;
+  }
+
+  /// The usual step from one ray of a ring to the next, and whether all steps are that long: not where sweeps
+  /// that fire at other places are gathered.
+  void measure_step() {
+    std::vector<double> steps;
+    for (const Ring& ring : rings_) {
+      for (std::size_t i = 0; i + 1 < ring.size(); ++i) {
+        if (on_plate(ring[i]) && on_plate(ring[i + 1]))
+          steps.push_back(ring[i + 1].azimuth - ring[i].azimuth);
+      }
+    }
+    if (steps.size() < 8) return;
+    std::sort(steps.begin(), steps.end());
+    step_ = steps[steps.size() / 2];
+    regular_ = steps[steps.size() * 85 / 100] - steps[steps.size() * 15 / 100] < 0.3 * step_;
+  }
+
+  /// The outermost sample on the plate towards one side (`way`: -1 or 1) that is no stray; -1: none.
+  static constexpr int none = -1;
+  int outermost(const Ring& ring, int way) const {
+    const int count = static_cast<int>(ring.size());
+    for (int i = way > 0 ? count - 1 : 0; i >= 0 && i < count; i -= way) {
+      if (!on_plate(ring[static_cast<std::size_t>(i)])) continue;
+      int beside = 0;
+      for (int k = 1; k <= 3; ++k) {
+        const int inner = i - way * k;
+        beside += inner >= 0 && inner < count && on_plate(ring[static_cast<std::size_t>(inner)]) ? 1 : 0;
+      }
+      if (beside >= 2) return i;
+    }
+    return none;
+  }
+
+  void add_ends(std::uint16_t ring) {
+    for (const int way : {-1, 1}) {
+      const int last = outermost(rings_[ring], way);
+      if (last != none) add_end(ring, last, way);
+    }
+  }
+
+  void add_end(std::uint16_t r, int last, int way) {
+    const Ring& ring = rings_[r];
+    const Sample& inside = ring[static_cast<std::size_t>(last)];
+    const auto at = [&](int i) -> const Sample* {
+      return i >= 0 && i < static_cast<int>(ring.size()) ? &ring[static_cast<std::size_t>(i)] : nullptr;
+    };
+    const Sample* next = at(last + way);
+    double gap = next ? way * (next->azimuth - inside.azimuth) : std::numeric_limits<double>::infinity();
+    if (gap > 3 * step_) next = nullptr;
+    float jump = std::numeric_limits<float>::infinity();
+    if (next) {
+      // More of the same surface: nothing ends here.
+      if (next->seen == Seen::board) return;
+      // A mixture of what covers the rim and what is behind it may look like either.
+      const Sample* after = at(last + 2 * way);
+      const bool covered = next->seen == Seen::before || (after && after->seen == Seen::before);
+      jump = static_cast<float>(covered ? std::min(next->behind, -band_) : next->behind);
+    }
+    // Regular rays are where the step says. The next return may lie far behind, where a ray that does not
+    // start in the origin is seen under another azimuth.
+    if (regular_ || !next || gap > 2.5 * step_) gap = step_;
+    const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d direction = inside.hit.normalized();
+    crossings_.push_back({direction.cast<float>(), (turn * direction).cast<float>(), jump, r, false});
+  }
+
+  /// Upwards and downwards the board ends between two rings.
+  void add_outermost_rings() {
+    std::vector<int> order;  // of elevation, those that were looked at
+    for (const int ring : projection_.by_elevation) order.push_back(ring);
+    const auto sees = [&](int ring) { return outermost(rings_[static_cast<std::size_t>(ring)], 1) != none; };
+    const int count = static_cast<int>(order.size());
+    int low = 0, high = count - 1;
+    while (low < count && !sees(order[static_cast<std::size_t>(low)])) ++low;
+    while (high > low && !sees(order[static_cast<std::size_t>(high)])) --high;
+    if (low >= count) return;
+    if (low > 0) add_between(order[static_cast<std::size_t>(low)], order[static_cast<std::size_t>(low - 1)]);
+    if (high + 1 < count)
+      add_between(order[static_cast<std::size_t>(high)], order[static_cast<std::size_t>(high + 1)]);
+  }
+
+  void add_between(int last, int beyond) {
+    const Ring& ring = rings_[static_cast<std::size_t>(last)];
+    const Ring& other = rings_[static_cast<std::size_t>(beyond)];
+    for (const Sample& inside : ring) {
+      if (!on_plate(inside)) continue;
+      const auto outside = where(beyond, inside.azimuth + azimuth_);
+      if (!outside) continue;
+      const auto next = std::min_element(other.begin(), other.end(), [&](const Sample& a, const Sample& b) {
+        return std::abs(a.azimuth - inside.azimuth) < std::abs(b.azimuth - inside.azimuth);
+      });
+      float jump = std::numeric_limits<float>::infinity();
+      if (next != other.end() && std::abs(next->azimuth - inside.azimuth) < step_) {
+        if (next->seen == Seen::board) continue;
+        jump = static_cast<float>(next->behind);
+      }
+      crossings_.push_back({inside.hit.normalized().cast<float>(), outside->cast<float>(), jump,
+                            static_cast<std::uint16_t>(last), true});
+    }
+  }
+
+  /// Direction in which a ring's ray of this azimuth meets the plane.
+  std::optional<Eigen::Vector3d> where(int ring, double azimuth) const {
+    const double slope = projection_.slope[static_cast<std::size_t>(ring)];
+    const double height = projection_.height[static_cast<std::size_t>(ring)];
+    const Eigen::Vector3d along(std::cos(azimuth), std::sin(azimuth), slope);
+    const double toward = -board_.plane.normal.dot(along);
+    if (!(toward > 0.02)) return std::nullopt;
+    const double reach = (board_.plane.offset + board_.plane.normal.z() * height) / toward;
+    if (!(reach > 0)) return std::nullopt;
+    return (Eigen::Vector3d::UnitZ() * height + reach * along).normalized();
+  }
+
+  const Scan& scan_;
+  const Projection& projection_;
+  const RimSearch& board_;
+  std::vector<Ring> rings_;
+  double distance_ = 0, azimuth_ = 0;  ///< of the board's centre: horizontal, m; rad
+  double radius_ = 0;                  ///< m
+  double band_ = 0;                    ///< m
+  double step_ = 0;                    ///< rad
+  bool regular_ = false;
+  std::vector<EdgeCrossing> crossings_;
+};
+
+}  // namespace
+
+std::vector<EdgeCrossing> find_edge_crossings(const Scan& scan, const Projection& projection,
+                                              const RimSearch& board) {
+  return RimFinder(scan, projection, board).find();
+}
+
+}  // namespace ca2

@@ -1,0 +1,85 @@
+#include "core/solve/edge_noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/solve/misfit.h"
+
+namespace ca2 {
+namespace {
+
+/// Enough views to tell; more only cost time.
+constexpr std::size_t most_views = 12;
+
+}  // namespace
+
+double estimate_edge_blur(std::span<const EdgeView> views, double dilation, double slack) {
+  static constexpr std::array sizes{1e-4, 2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3};  // rad
+  const std::size_t step = 1 + (views.size() - 1) / most_views;
+  for (const double blur : sizes) {
+    double scatter = 0;
+    int freedom = 0;
+    for (std::size_t i = 0; i < views.size(); i += step) {
+      const EdgeView& view = views[i];
+      for (const EdgeSums& edge :
+           edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, {blur, 0}, slack)) {
+        scatter += edge.scatter;
+        freedom += edge.freedom;
+      }
+    }
+    if (scatter <= freedom) return blur;
+  }
+  return sizes.back();
+}
+
+double edge_misfit(const EdgeView& view, double dilation, const EdgeNoise& noise, double slack) {
+  double misfit = 0;
+  for (const EdgeSums& edge :
+       edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, noise, slack)) {
+    const Eigen::Vector4d z = edge.at(view.T_lidar_board, dilation);
+    misfit += z.dot(edge.H * z);
+  }
+  return misfit;
+}
+
+double mean_center_offset(std::span<const EdgeView> views, double dilation, const EdgeNoise& noise,
+                          double slack) {
+  double squares = 0;
+  double count = 0;
+  for (const EdgeView& view : views) {
+    const auto offset =
+        center_offset(edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, noise, slack),
+                      view.T_lidar_board, dilation);
+    if (!offset) continue;
+    squares += *offset * *offset;
+    count += 1;
+  }
+  return count > 0 ? std::sqrt(squares / count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+double estimate_shared_edge_error(std::span<const EdgeView> views, double dilation, double blur,
+                                  double slack) {
+  static constexpr std::array sizes{0.0003, 0.0006, 0.0012, 0.0024, 0.0048, 0.0096, 0.02};  // m
+  const auto explained = [&](const EdgeNoise& tried) {
+    double misfit = 0;
+    int freedom = -7;  // the LiDAR's pose and the dilation follow the sides
+    for (const EdgeView& view : views) {
+      for (const EdgeSums& edge :
+           edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, tried, slack)) {
+        const Eigen::Vector4d z = edge.at(view.T_lidar_board, dilation);
+        misfit += z.dot(edge.H * z) - edge.scatter;
+        freedom += edge.count - edge.freedom;
+      }
+    }
+    return freedom <= 0 || misfit_excess(misfit, freedom) == 1;
+  };
+  if (explained({blur, 0})) return 0;
+  for (const double shared : sizes) {
+    if (explained({blur, shared})) return shared;
+  }
+  return sizes.back();
+}
+
+}  // namespace ca2

@@ -1,0 +1,57 @@
+/// @file The crossings of a plate's rim reduced to a few sums per side.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "core/board/board.h"
+#include "core/features/sights.h"
+#include "core/geometry/pose.h"
+
+namespace ca2 {
+
+/// What is known of the angle by which a LiDAR sees a plate too large before anything was measured: beams are
+/// 2 to 6 mrad wide, and a plate answers from any part of one. Standard deviation, rad.
+inline constexpr double dilation_sigma = 0.004;
+
+/// How well a LiDAR tells where a rim is, beside the gap between its rays.
+struct EdgeNoise {
+  double blur = 0;    ///< rad: of one crossing, by itself (the beam's width, its encoder, the background)
+  double shared = 0;  ///< m: of either end of a side, all its crossings together (cut, tape, bent rim)
+};
+
+/// The crossings of one side of the plate. The side and the LiDAR's origin span a plane; with its unit normal
+/// n (outwards) and the dilation d - the angle by which a beam sees the plate beyond its rim - the cost is
+/// 1/2 z'Hz with z = (n, d): each crossing lies at the angle d outside of the side.
+struct EdgeSums {
+  Eigen::Vector3d a, b;  ///< ends of the side, board frame, m; n is along (T a) x (T b)
+  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
+  int count = 0;  ///< crossings
+  /// Chi-squared of the crossings about the line that fits them best, and its degrees of freedom.
+  double scatter = 0;
+  int freedom = 0;
+
+  /// z of this side for a board at T_lidar_board.
+  Eigen::Vector4d at(const Pose& T_lidar_board, double dilation) const;
+};
+
+/// The sums of all sides that crossings were seen of, the plate being at about T_lidar_board. Covered
+/// crossings and those near the plate's corners tell nothing; those further than `slack` [m] from where the
+/// plate should end are of something else.
+///
+/// The error of a crossing is uniform over its gap. Where rings look the same way, a straight rim cuts their
+/// gaps at places that are known relative to each other, so these errors are not independent: rings that cut
+/// the gap at the same place count once, rings that cut it at all places cancel. For a rim at any offset the
+/// covariance of two errors whose places differ by the share s of the gap is that of two saw teeth,
+/// w^2 / 12 (1 - 6 s (1 - s)).
+std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
+                                const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
+                                double slack);
+
+/// Where the sides see the plate's centre: in-plane distance [m] of the centre that fits the sums best from
+/// the one at T_lidar_board, everything else held. Nothing where they do not fix it to 10 mm.
+std::optional<double> center_offset(std::span<const EdgeSums> edges, const Pose& T_lidar_board,
+                                    double dilation);
+
+}  // namespace ca2
