@@ -110,7 +110,6 @@ LidarSight FeatureHost::plate_sight(const SimulatedLidar& lidar, double time) {
   std::normal_distribution<double> noise(0, 0.008);
   const Eigen::Vector2d& middle = plate.outline.center;
   sight.center = T_lidar_board(time) * Eigen::Vector3d(middle.x() + noise(rng_), middle.y() + noise(rng_), 0);
-  sight.outline_center = sight.center;
   sight.score = 0.7;
   return sight;
 }
