@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/capture/gates.h"
+#include "core/capture/picture_pairs.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -29,7 +30,10 @@ class Collector {
       : tracks_(tracks), context_(context), at_once_(at_once) {}
 
   HeldView run(std::int64_t since, std::int64_t newest) {
-    for (std::size_t c = 0; c < tracks_.cameras.size(); ++c) add_camera(c, since, newest);
+    std::vector<std::vector<const CameraObservation*>> pictures;
+    for (const CameraTrack& camera : tracks_.cameras) pictures.push_back(camera.between(since, newest));
+    keep_pairs(pictures);
+    for (std::size_t c = 0; c < pictures.size(); ++c) add_camera(c, std::move(pictures[c]));
     if (!view_.cameras.empty()) {
       for (std::size_t l = 0; l < tracks_.lidars.size(); ++l) add_lidar(l, since, newest);
     }
@@ -38,9 +42,9 @@ class Collector {
   }
 
  private:
-  void add_camera(std::size_t c, std::int64_t since, std::int64_t newest) {
+  void add_camera(std::size_t c, std::vector<const CameraObservation*> pictures) {
     HeldCamera held;
-    held.pictures = tracks_.cameras[c].between(since, newest);
+    held.pictures = std::move(pictures);
     if (held.pictures.empty()) return;
     const std::string& name = tracks_.camera_names[c];
     held.corners = tracks_.cameras[c].mean_corners(held.pictures);

@@ -25,13 +25,15 @@ struct Exposure {
   std::uint64_t seed = 0;
 };
 
-/// Cameras run on their own clocks: each begins at its own moment.
+/// One trigger for all cameras, or each begins at its own moment.
 std::vector<Exposure> plan_exposures(const Scenario& scenario, double duration, std::int64_t start) {
   std::vector<Exposure> exposures;
   const Carrying& carrying = scenario.carrying;
   std::mt19937_64 rng = view_generator(scenario, -1);
+  std::uniform_real_distribution<double> phase(0, 1 / carrying.camera_rate);
+  double first = phase(rng);
   for (const auto& [name, camera] : scenario.cameras) {
-    const double first = std::uniform_real_distribution<double>(0, 1 / carrying.camera_rate)(rng);
+    if (!carrying.triggered) first = phase(rng);
     std::bernoulli_distribution lost(carrying.lost_pictures);
     for (int i = 0; first + i / carrying.camera_rate < duration; ++i) {
       const double time = first + i / carrying.camera_rate;

@@ -77,6 +77,7 @@ struct Carrying {
   double tremor = 0.0003;    ///< m rms, of hands at 6 to 11 Hz; angles: the same at the board's rim
   double drift = 0.0006;     ///< m rms, of arms below 1 Hz
   double camera_rate = 15;   ///< pictures per second
+  bool triggered = true;     ///< all cameras expose together; false: each at its own moment
   double lost_pictures = 0;  ///< share of them that never arrive
   double clock_offset = 0;   ///< s: the pictures' stamps are late by so much
 };

@@ -179,9 +179,10 @@ class ScenarioParser {
                      {"camera_rate", 1, 200, &carrying.camera_rate},
                      {"lost_pictures", 0, 0.9, &carrying.lost_pictures},
                      {"clock_offset", -1, 1, &carrying.clock_offset}},
-                    {"hold", "move"})) {
+                    {"hold", "move", "triggered"})) {
       return;
     }
+    carrying.triggered = reader_.boolean(node->find("triggered")).value_or(carrying.triggered);
     constexpr double longest = 60;  // s
     interval(*node, "hold", longest, carrying.min_hold, carrying.max_hold);
     interval(*node, "move", longest, carrying.min_move, carrying.max_move);
