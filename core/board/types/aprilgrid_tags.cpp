@@ -109,7 +109,7 @@ int quarter_turns(const Tags& tags) {
       if (std::abs(dx) + std::abs(dy) != 1) continue;
       const Eigen::Vector2d to = (other.centre() - tag.centre()).normalized();
       for (std::size_t k = 0; k < 4; ++k) {
-        const auto corner = [&](std::size_t i) { return tag.corners[(i + k) % 4]; };
+        const auto corner = [k, &corners = tag.corners](std::size_t i) { return corners[(i + k) % 4]; };
         const Eigen::Vector2d x = (corner(1) - corner(0)).normalized(),
                               y = (corner(3) - corner(0)).normalized();
         votes[k] += to.dot(dx * x + dy * y);
