@@ -21,6 +21,21 @@ if(NOT CMAKE_CROSSCOMPILING)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT ca2)
 endif()
 
+# install_manual(PAGE COMPONENT): written by hand, compressed as Debian has them.
+find_program(CA2_GZIP gzip REQUIRED)
+function(install_manual page component)
+  string(REGEX MATCH "[0-9]$" section ${page})
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/man)
+  execute_process(COMMAND ${CA2_GZIP} -9nc ${PROJECT_SOURCE_DIR}/docs/man/${page}
+                  OUTPUT_FILE ${PROJECT_BINARY_DIR}/man/${page}.gz COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${PROJECT_BINARY_DIR}/man/${page}.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man${section}
+          COMPONENT ${component})
+endfunction()
+install_manual(ca2-session.5 ca2)
+if(TARGET ca2d)
+  install_manual(ca2d.8 ca2d)
+endif()
+
 # For programs that use the parts: find_package(ca2), target ca2::ca2_core and ca2::ca2_drivers.
 install(TARGETS ca2_options ca2_core ca2_drivers EXPORT ca2_targets ARCHIVE COMPONENT libca2-dev)
 foreach(layer core drivers)

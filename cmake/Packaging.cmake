@@ -55,7 +55,6 @@ what to show next.")
 endif()
 
 # Every package has a changelog, a copyright and lintian overrides with their reasons.
-find_program(CA2_GZIP gzip REQUIRED)
 foreach(component ${CPACK_COMPONENTS_ALL})
   set(stem ${PROJECT_BINARY_DIR}/debian/${component})
   configure_file(${PROJECT_SOURCE_DIR}/cmake/debian/changelog.in ${stem}/changelog @ONLY)

@@ -31,7 +31,7 @@ for command in $commands; do
   [[ " $completed " == *" $command "* ]] || { echo "the completion lacks $command"; exit 1; }
 done
 if command -v mandoc >/dev/null; then
-  zcat "$work/ca2/usr/share/man/man1/ca2.1.gz" | mandoc -Tlint -W error
+  for page in "$work"/*/usr/share/man/man*/*.gz; do zcat "$page" | mandoc -Tlint -W error; done
 fi
 if command -v systemd-analyze >/dev/null && [ -d "$work/ca2d" ]; then
   grep -qx /etc/ca2/ca2d.yaml <(dpkg-deb --ctrl-tarfile "$debs"/ca2d_*.deb | tar -xO ./conffiles)
