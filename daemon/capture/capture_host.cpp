@@ -215,10 +215,12 @@ void CaptureHost::written(Result<ViewSights> answer) {
     return;
   }
   views_.insert(id);
-  perform(pipeline_->stored(now_(), id, std::move(answer)));
-  listener_.view(id, true);
-  if (waiting) {
-    for (const auto& one : waiting.mapped()) one(id);
+  const CaptureActions actions = perform(pipeline_->stored(now_(), id, std::move(answer)));
+  const bool kept = views_.count(id) > 0;  // what turns out blurred is taken back at once
+  if (kept) listener_.view(id, true);
+  if (!waiting) return;
+  for (const auto& one : waiting.mapped()) {
+    one(kept ? Result<std::optional<int>>(id) : fail(ErrorCode::refused, "", last_event(actions)));
   }
 }
 
