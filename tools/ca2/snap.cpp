@@ -61,11 +61,19 @@ Result<CameraFrame> take(CameraSource& camera, int stream, const Options& option
 }
 
 Result<int> run(const Options& options) {
-  const auto source = parse_camera_source(options.source);
+  auto source = parse_camera_source(options.source);
   if (!source) return fail(source.error());
+  // As a rig's `source` names it, or by the option.
+  std::string imager = options.imager;
+  if (const auto named = source->extract("imager"); !named.empty()) {
+    if (!imager.empty() && imager != named.mapped()) {
+      return fail(ErrorCode::usage, "", "--imager " + imager + " and imager=" + named.mapped() + " differ");
+    }
+    imager = named.mapped();
+  }
   const auto camera = open_camera(*source);
   if (!camera) return fail(camera.error());
-  const auto stream = find_stream(**camera, options.imager);
+  const auto stream = find_stream(**camera, imager);
   if (!stream) return fail(stream.error());
   if (auto started = (*camera)->start(); !started) return fail(started.error());
   for (const std::string& warning : (*camera)->warnings()) std::fprintf(stderr, "ca2: %s\n", warning.c_str());

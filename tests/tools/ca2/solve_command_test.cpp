@@ -140,7 +140,7 @@ TEST_F(SolveCommand, TheBestViewsAreNearlyAsGoodAsAll) {
 
 TEST_F(SolveCommand, TellsTheNextPoseUntilTheTargetIsReached) {
   EXPECT_EQ(solve().output.find("next: show the board"), std::string::npos);
-  const Outcome few = solve({"--views", "1-3"});
+  const Outcome few = solve({"--views", "1-3", "--method", "plane_to_plane"});
   ASSERT_EQ(few.status, 0) << few.errors;
   EXPECT_NE(few.output.find("next: show the board"), std::string::npos) << few.output;
 }

@@ -17,7 +17,7 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
   grep -qs 03e7 /sys/bus/usb/devices/*/idVendor && break
   sleep 0.5
 done
-"$CA2_BIN/ca2" snap "t265:firmware=$FIRMWARE,firmware_sha1=$FIRMWARE_SHA1,silence=4" right.png --imager right || exit 1
+"$CA2_BIN/ca2" snap "t265:imager=right,firmware=$FIRMWARE,firmware_sha1=$FIRMWARE_SHA1,silence=4" right.png || exit 1
 "$CA2_BIN/ca2" check right.png | tee check.txt
 grep -q '848 x 800' check.txt || exit 1
 "$CA2_BIN/ca2" sensors --cameras | tee sensors.txt
