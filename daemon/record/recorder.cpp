@@ -1,11 +1,11 @@
 #include "daemon/record/recorder.h"
 
 #include <ctime>
-#include <fstream>
 
 #include "core/io/files.h"
 #include "core/types/text.h"
 #include "daemon/log.h"
+#include "drivers/camera/picture_folder.h"
 #include "drivers/net/datagram_batch.h"
 #include "drivers/net/pcap_writer.h"
 #include "drivers/recording/recording.h"
@@ -34,26 +34,6 @@ Result<Rig> with_copies(Rig rig, const fs::path& directory) {
   return rig;
 }
 
-/// Not synced to the disk: a power cut may cost the last seconds of a recording, not its speed.
-bool write_picture(const fs::path& folder, std::int64_t time, const Image& image) {
-  const Result<std::string> png = encode_png(image);
-  if (!png) return false;
-  const std::string name = std::to_string(time) + ".png";
-  const fs::path hidden = folder / ("." + name);
-  {
-    std::ofstream out(hidden, std::ios::binary);
-    out.write(png->data(), static_cast<std::streamsize>(png->size()));
-    if (!out.flush()) {
-      std::error_code ignored;
-      fs::remove(hidden, ignored);
-      return false;
-    }
-  }
-  std::error_code error;
-  fs::rename(hidden, folder / name, error);
-  return !error;
-}
-
 }  // namespace
 
 struct Recorder::Packets {
@@ -68,7 +48,8 @@ class Recorder::Files {
   const fs::path& directory() const { return directory_; }
 
   bool write(const std::string& camera, std::int64_t time, const Image& image) {
-    return write_picture(directory_ / "cameras" / camera, time, image);
+    // Not synced to the disk: a power cut may cost the last seconds of a recording, not its speed.
+    return save_picture(directory_ / "cameras" / camera, time, image).has_value();
   }
 
   bool write(const std::string& lidar, const Datagram& datagram) {

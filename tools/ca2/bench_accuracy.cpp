@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "core/geometry/scaled_inverse.h"
@@ -11,6 +10,7 @@
 #include "core/solve/calibrate.h"
 #include "core/solve/joint_problem.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_timing.h"
 #include "tools/sim/calibration_trials.h"
 #include "tools/sim/feature_sights.h"
 
@@ -19,12 +19,6 @@ namespace {
 
 constexpr int pool_size = 80;
 constexpr int trials = 30;
-
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 /// Errors of one method over the trials, m and rad.
 struct Column {

@@ -14,7 +14,7 @@
 #include "core/io/files.h"
 #include "tools/ca2/bench.h"
 #include "tools/ca2/bench_pictures.h"
-#include "tools/ca2/cpu_time.h"
+#include "tools/ca2/bench_timing.h"
 
 namespace ca2 {
 namespace {
@@ -29,9 +29,9 @@ struct Run {
 };
 
 Run timed(const std::function<bool()>& search) {
-  const double start = thread_cpu_ms();
+  const double start = cpu_ms();
   const bool found = search();
-  return {thread_cpu_ms() - start, found, false};
+  return {cpu_ms() - start, found, false};
 }
 
 /// The same in a child process with a limit on its CPU time.

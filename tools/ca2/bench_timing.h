@@ -15,6 +15,11 @@ inline double cpu_ns() {
   return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
 }
 
+/// The same, ms.
+inline double cpu_ms() {
+  return 1e-6 * cpu_ns();
+}
+
 /// Keeps the optimiser from seeing that a result is not used.
 inline void keep(const void* pointer) {
   asm volatile("" : : "g"(pointer) : "memory");

@@ -8,7 +8,7 @@
 #include "core/geometry/so3.h"
 #include "tools/ca2/bench.h"
 #include "tools/ca2/bench_pictures.h"
-#include "tools/ca2/cpu_time.h"
+#include "tools/ca2/bench_timing.h"
 
 namespace ca2 {
 namespace {
@@ -21,12 +21,6 @@ struct Tally {
   int pictures = 0, tracked = 0, found = 0;
   double worst_apart = 0;  ///< px between a tracked corner and the search's
 };
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 /// Half-turned ids are the same board.
 double apart(const std::vector<Corner>& tracked, const std::vector<Corner>& found) {
@@ -54,12 +48,12 @@ void follow(const BenchCamera& bench, const Board& board, int repeats, std::mt19
     std::vector<Corner> tracked, found;
     std::vector<double> track_ms, find_ms;
     for (int i = 0; i < repeats; ++i) {
-      double start = thread_cpu_ms();
+      double start = cpu_ms();
       tracked = track_board(board, image, corners);
-      track_ms.push_back(thread_cpu_ms() - start);
-      start = thread_cpu_ms();
+      track_ms.push_back(cpu_ms() - start);
+      start = cpu_ms();
       found = board.type->find(board, image);
-      find_ms.push_back(thread_cpu_ms() - start);
+      find_ms.push_back(cpu_ms() - start);
     }
     tally.track_ms.push_back(median(track_ms));
     tally.find_ms.push_back(median(find_ms));

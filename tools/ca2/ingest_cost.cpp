@@ -5,20 +5,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <vector>
 
 #include "drivers/net/udp_sender.h"
 #include "drivers/net/udp_source.h"
+#include "tools/ca2/bench_timing.h"
 
 namespace ca2 {
 namespace {
-
-double thread_nanoseconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
-}
 
 Result<void> send_burst(UdpSender& sender, std::uint16_t port, const std::vector<std::uint8_t>& payload,
                         std::uint64_t count) {
@@ -84,15 +78,15 @@ Result<IngestCost> measure_ingest(std::size_t payload, std::uint64_t datagrams) 
     const bool counts = done >= warm_up;
     if (auto sent = send_burst(*sender, (*source)->sockets()[0].port, content, burst); !sent)
       return fail(sent.error());
-    double start = thread_nanoseconds();
+    double start = cpu_ns();
     if (auto taken = take_batched(**source, burst); !taken) return fail(taken.error());
-    if (counts) cost.batched_ns += thread_nanoseconds() - start;
+    if (counts) cost.batched_ns += cpu_ns() - start;
 
     if (auto sent = send_burst(*sender, plain->port, content, burst); !sent) return fail(sent.error());
-    start = thread_nanoseconds();
+    start = cpu_ns();
     if (auto taken = take_one_by_one(plain->fd.get(), burst); !taken) return fail(taken.error());
     if (counts) {
-      cost.one_by_one_ns += thread_nanoseconds() - start;
+      cost.one_by_one_ns += cpu_ns() - start;
       cost.datagrams += burst;
     }
   }
