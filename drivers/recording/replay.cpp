@@ -38,7 +38,7 @@ class Host {
   void handle(std::int64_t now, const CaptureActions& actions) {
     for (const CaptureAction& action : actions) {
       if (const auto* view = std::get_if<StoreView>(&action)) {
-        handle(now, pipeline_.stored(now, view->id, store(*view)));
+        handle(now, pipeline_.stored(now, view->id, store(now, *view)));
       } else if (const auto* request = std::get_if<SolveViews>(&action)) {
         handle(now, pipeline_.solved(now, request->number, solve_views(*request)));
       } else if (const auto* drop = std::get_if<DropView>(&action)) {
@@ -49,14 +49,14 @@ class Host {
     }
   }
 
-  Result<ViewSights> store(const StoreView& view) {
+  Result<ViewSights> store(std::int64_t now, const StoreView& view) {
     const auto written = write_view(session_.directory, view.id, view.images, view.scans, view.details);
     if (!written) {
       ++report.failed;
       if (!error) error = written.error();
       return fail(written.error());
     }
-    ++report.captured;
+    report.stored[view.id] = now;
     session_.views.push_back(*written);
     return extract_view(session_, view.id);
   }
@@ -68,7 +68,7 @@ class Host {
     if (view == session_.views.end()) return;
     if (const auto removed = remove_view(*view); !removed && !error) error = removed.error();
     session_.views.erase(view);
-    --report.captured;
+    report.stored.erase(id);
   }
 
   Session& session_;
@@ -104,7 +104,7 @@ Result<ReplayReport> replay(const Rig& rig, RecordingReader& reader, Session& se
         std::chrono::nanoseconds(pacer.wait(frame->arrival, now.time_since_epoch().count())));
     host.add(frame->arrival, *frame);
   }
-  if (host.report.captured == 0 && host.error) return fail(*host.error);
+  if (host.report.stored.empty() && host.error) return fail(*host.error);
   return host.report;
 }
 

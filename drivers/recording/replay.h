@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 
 #include "core/capture/pipeline.h"
 #include "core/session/session.h"
@@ -19,8 +20,8 @@ struct ReplayOptions {
 };
 
 struct ReplayReport {
-  int captured = 0;  ///< views that were stored
-  int failed = 0;    ///< views that could not be
+  std::map<int, std::int64_t> stored;  ///< views by id: ns UTC of the recording's clock at which they were
+  int failed = 0;                      ///< views that could not be
 };
 
 /// Adds the views of the recording to the session. The same recording and session give the same files, bit

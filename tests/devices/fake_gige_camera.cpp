@@ -1,7 +1,8 @@
 /// A GigE Vision camera in a process of its own: Aravis's simulated one behind true GVCP and GVSP, with our
-/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE]. LOST is the share of packets that get lost; FILE holds
-/// the bytes of every picture (repeated where the picture is larger), without it there is a ramp. Says
-/// "ready" when it can be opened.
+/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT]. LOST is the share of packets that get
+/// lost. FILE has the bytes of every picture (repeated where the picture is larger). FOLDER holds the
+/// <utc_ns>.png of a recording, each of which is shown SHIFT ns after the time that its name says. Without
+/// either there is a ramp. Says "ready" when it can be opened.
 #include <arv.h>
 #include <unistd.h>
 
@@ -10,14 +11,60 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
+
+#include "core/io/read_picture.h"
+#include "drivers/camera/host_time.h"
 
 namespace {
 
-std::string picture;
+namespace fs = std::filesystem;
+
 volatile std::sig_atomic_t stopped = 0;
+
+/// The pictures of a recording, in time.
+class Film {
+ public:
+  bool open(const fs::path& folder, std::int64_t shift) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      if (entry.path().extension() == ".png") times_.push_back(std::stoll(entry.path().stem().string()));
+    }
+    std::sort(times_.begin(), times_.end());
+    folder_ = folder;
+    shift_ = shift;
+    return times_.size() > 1;
+  }
+
+  /// The next one, unless it is more than half a period early; those that are a period late are left out.
+  const std::vector<std::uint8_t>& now() {
+    const std::size_t before = at_;
+    const std::int64_t count = static_cast<std::int64_t>(times_.size());
+    const std::int64_t period = (times_.back() - times_.front()) / (count - 1);
+    const std::int64_t time = ca2::utc_now() - shift_;
+    if (at_ + 1 < times_.size() && times_[at_ + 1] < time + period / 2) ++at_;
+    while (at_ + 1 < times_.size() && times_[at_] < time - period) ++at_;
+    if (before != at_ || pixels_.empty()) {
+      auto image = ca2::read_picture(folder_ / (std::to_string(times_[at_]) + ".png"));
+      if (image) pixels_ = std::move(image->bytes);
+    }
+    return pixels_;
+  }
+
+ private:
+  fs::path folder_;
+  std::int64_t shift_ = 0;
+  std::vector<std::int64_t> times_;
+  std::size_t at_ = 0;
+  std::vector<std::uint8_t> pixels_;
+};
+
+std::vector<std::uint8_t> still;  ///< every picture, where there is no film
+Film film;
+bool have_film = false;
 
 void fill(ArvBuffer* buffer, void*, guint32, guint32, ArvPixelFormat format) {
   // Aravis says how much the buffer holds only once it is filled.
@@ -25,27 +72,34 @@ void fill(ArvBuffer* buffer, void*, guint32, guint32, ArvPixelFormat format) {
   arv_buffer_get_image_region(buffer, &x, &y, &width, &height);
   const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
                            ARV_PIXEL_FORMAT_BIT_PER_PIXEL(format) / 8;
-  auto* data = static_cast<char*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
-  for (std::size_t done = 0; done < size; done += picture.size()) {
+  const std::vector<std::uint8_t>& picture = have_film ? film.now() : still;
+  auto* data = static_cast<std::uint8_t*>(const_cast<void*>(arv_buffer_get_data(buffer, nullptr)));
+  for (std::size_t done = 0; done < size && !picture.empty(); done += picture.size()) {
     std::memcpy(data + done, picture.data(), std::min(picture.size(), size - done));
   }
+}
+
+bool open_source(int argc, char** argv) {
+  if (argc <= 4) {
+    for (int i = 0; i < 251; ++i) still.push_back(static_cast<std::uint8_t>(i));
+    return true;
+  }
+  have_film = fs::is_directory(argv[4]);
+  if (have_film) return film.open(argv[4], argc > 5 ? std::atoll(argv[5]) : 0);
+  std::ifstream file(argv[4], std::ios::binary);
+  still.assign(std::istreambuf_iterator<char>(file), {});
+  return !still.empty();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE]\n");
+    std::fprintf(stderr, "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT]\n");
     return 64;
   }
-  if (argc > 4) {
-    std::ifstream file(argv[4], std::ios::binary);
-    picture.assign(std::istreambuf_iterator<char>(file), {});
-  } else {
-    for (int i = 0; i < 251; ++i) picture += static_cast<char>(i);
-  }
-  if (picture.empty()) {
-    std::fprintf(stderr, "fake_gige_camera: nothing in %s\n", argv[4]);
+  if (!open_source(argc, argv)) {
+    std::fprintf(stderr, "fake_gige_camera: no pictures in %s\n", argv[4]);
     return 65;
   }
   std::signal(SIGTERM, [](int) { stopped = 1; });

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "drivers/camera/host_time.h"
 #include "drivers/net/pacer.h"
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_sender.h"
@@ -19,6 +20,7 @@ struct Options {
   std::filesystem::path file;
   std::string to;
   double speed = 1;
+  std::optional<std::int64_t> shift;  ///< ns
   PcapOptions pcap;
   bool as_json = false;
 };
@@ -39,6 +41,7 @@ Result<int> run(const Options& options) {
 
   const Interrupt interrupt;
   Pacer pacer(options.speed);
+  if (options.shift) pacer.wait(utc_now() - *options.shift, steady_now());
   std::uint64_t sent = 0;
   while (!Interrupt::raised()) {
     const Result<PacketBatch> batch = (*reader)->next_batch();
@@ -76,6 +79,9 @@ CommandBody setup_play(CLI::App& app) {
   app.add_option("--speed", options->speed, "1: as recorded; 0: as fast as possible")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
+  app.add_option("--shift", options->shift,
+                 "ns from a datagram's recorded time to the host's time at which it is sent, so that several "
+                 "players keep together (default: the first one is sent at once)");
   app.add_option("--port", options->pcap.ports, "Only datagrams that were sent to these ports");
   app.add_option("--source", options->pcap.sources, "Only datagrams from these addresses");
   app.add_flag("--json", options->as_json, "Report for programs");

@@ -7,6 +7,7 @@
 
 #include "drivers/recording/replay.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/hold_tally.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/solve_session.h"
 
@@ -55,7 +56,10 @@ Result<int> run(Options options) {
   const Result<ReplayReport> report = replay(recording->rig, *reader, *session, options.replay);
   print_warnings(reader->warnings());
   if (!report) return fail(report.error());
-  if (!options.json) std::printf("%d views captured\n", report->captured);
+  if (!options.json) std::printf("%zu views captured\n", report->stored.size());
+  const auto tally = tally_holds(recording->directory / "truth.yaml", *session, report->stored);
+  if (!tally) return fail(tally.error());
+  if (*tally && !options.json) std::printf("%s\n", (*tally)->text().c_str());
   if (session->views.empty()) {
     return fail(ErrorCode::refused, options.recording, "the board was never held still in view of a pair",
                 "`--verbose` says what was seen and why it was not captured");
