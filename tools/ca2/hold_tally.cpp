@@ -32,8 +32,7 @@ Result<Span> span_of(const std::filesystem::path& file) {
   if (!root) return fail(root.error());
   YamlReader reader(file.string());
   Span span;
-  const YamlNode* stamps =
-      reader.map(&*root, "a view") ? reader.require(*root, "stamps", "a view") : nullptr;
+  const YamlNode* stamps = reader.map(&*root, "a view") ? reader.require(*root, "stamps", "a view") : nullptr;
   if (stamps && reader.map(stamps, "'stamps'")) {
     for (const YamlNode& sensor : stamps->items) {
       for (const YamlNode& item : sensor.items) {
