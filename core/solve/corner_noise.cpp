@@ -11,53 +11,38 @@ constexpr double chi2_median_2 = 1.386;  // of chi-squared with 2 degrees of fre
 
 }  // namespace
 
-double CornerNoise::add_view(const Board& board, std::span<const Eigen::Vector2d> positions,
-                             const Camera& camera, const Pose& T_camera_board,
-                             std::span<const Corner> corners) {
-  const auto count = static_cast<Eigen::Index>(corners.size());
-  Eigen::VectorXd errors = Eigen::VectorXd::Zero(2 * count);
-  Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose =
-      Eigen::Matrix<double, Eigen::Dynamic, 6>::Zero(2 * count, 6);
-  std::vector<Eigen::Vector2d> places;
-  double sum = 0;
-  ProjectionJacobian jacobian;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Corner& corner = corners[static_cast<std::size_t>(i)];
-    places.push_back(positions[static_cast<std::size_t>(corner.id)]);
-    const Eigen::Vector3d p_board(places.back().x(), places.back().y(), 0);
-    const auto pixel = camera.project(T_camera_board * p_board, &jacobian);
-    if (!pixel) continue;
-    const Eigen::Vector2d e = *pixel - corner.pixel;
-    sum += e.squaredNorm();
-    const Eigen::LLT<Eigen::Matrix2d> whitening(corner.covariance);
-    const Eigen::Matrix<double, 2, 3> by_point = whitening.matrixL().solve(jacobian.point);
-    errors.segment<2>(2 * i) = whitening.matrixL().solve(e);
-    by_pose.block<2, 3>(2 * i, 0) = -by_point * T_camera_board.R * skew(p_board);
-    by_pose.block<2, 3>(2 * i, 3) = by_point * T_camera_board.R;
+NeighbourTable neighbouring_corners(std::span<const Eigen::Vector2d> positions, double distance) {
+  NeighbourTable table(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t k = i + 1; k < positions.size(); ++k) {
+      if ((positions[i] - positions[k]).norm() <= distance) table[i].push_back(static_cast<int>(k));
+    }
   }
-  // What another board pose would take away is the LiDAR's pull, not the corners' error.
-  errors -= by_pose * by_pose.colPivHouseholderQr().solve(errors);
-  std::vector<Eigen::Vector2d> whitened;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    whitened.emplace_back(errors.segment<2>(2 * i));
-    squares_.push_back(whitened.back().squaredNorm());
+  return table;
+}
+
+void CornerNoise::add_view(const CornerField& corners, const Eigen::Matrix2Xd& errors,
+                           const NeighbourTable& neighbours) {
+  std::vector<Eigen::Index> place(neighbours.size(), -1);  // by id
+  Eigen::Matrix2Xd clipped = errors;
+  for (Eigen::Index i = 0; i < errors.cols(); ++i) {
+    const double squared = errors.col(i).squaredNorm();
+    squares_.push_back(squared);
+    // So that a single bad corner does not decide.
+    clipped.col(i) *= std::min(1.0, 20 / (std::sqrt(squared) + 1e-9));
+    place[static_cast<std::size_t>(corners.id(static_cast<std::size_t>(i)))] = i;
   }
   views_ += 1;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    for (std::size_t k = i + 1; k < places.size(); ++k) {
-      if ((places[i] - places[k]).norm() > 1.2 * board.square) continue;
-      // Clipped, so that a single bad corner does not decide.
-      const auto clip = [](const Eigen::Vector2d& e) {
-        return Eigen::Vector2d(e * std::min(1.0, 20 / (e.norm() + 1e-9)));
-      };
-      const Eigen::Vector2d a = clip(whitened[i]);
-      const Eigen::Vector2d b = clip(whitened[k]);
-      products_ += a.dot(b);
-      energy_ += 0.5 * (a.squaredNorm() + b.squaredNorm());
+  for (std::size_t id = 0; id < neighbours.size(); ++id) {
+    if (place[id] < 0) continue;
+    for (const int other : neighbours[id]) {
+      const Eigen::Index k = place[static_cast<std::size_t>(other)];
+      if (k < 0) continue;
+      products_ += clipped.col(place[id]).dot(clipped.col(k));
+      energy_ += 0.5 * (clipped.col(place[id]).squaredNorm() + clipped.col(k).squaredNorm());
       pairs_ += 1;
     }
   }
-  return std::sqrt(sum / std::max<double>(1, static_cast<double>(corners.size())));
 }
 
 std::optional<double> CornerNoise::scale() const {

@@ -6,10 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "core/board/board.h"
-#include "core/camera/camera_model.h"
+#include "core/solve/corner_field.h"
 
 namespace ca2 {
+
+/// By corner id: the ids above it of the corners closer than some distance.
+using NeighbourTable = std::vector<std::vector<int>>;
+/// `positions` and `distance` in m.
+NeighbourTable neighbouring_corners(std::span<const Eigen::Vector2d> positions, double distance);
 
 /// Collects one camera's reprojection residuals. Independent noise of the size the corners' covariances claim
 /// gives a scale of 1. Residuals that neighbours on the board share (a lens the model does not quite fit, a
@@ -17,10 +21,9 @@ namespace ca2 {
 /// correlation.
 class CornerNoise {
  public:
-  /// Returns the view's reprojection error, px rms. `positions`: of the board's corners by id, board frame,
-  /// m.
-  double add_view(const Board& board, std::span<const Eigen::Vector2d> positions, const Camera& camera,
-                  const Pose& T_camera_board, std::span<const Corner> corners);
+  /// `errors` [2 x corners]: whitened by the stated covariances, about the view's own best pose: what another
+  /// board pose would take away is the LiDAR's pull, not the corners' error.
+  void add_view(const CornerField& corners, const Eigen::Matrix2Xd& errors, const NeighbourTable& neighbours);
 
   /// Factor on the corners' standard deviations; nothing from too few residuals to tell.
   std::optional<double> scale() const;

@@ -1,13 +1,13 @@
 #include "core/solve/joint_problem.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "core/geometry/adjoint.h"
+#include "core/solve/lidar_terms.h"
 
 namespace ca2 {
 namespace {
@@ -25,15 +25,12 @@ JointProblem::JointProblem(const JointInput& input)
       intrinsics_(lidar_poses_ + 6 * lidars_),
       biases_(intrinsics_ + 4 * cameras_),
       globals_(biases_ + 3 * lidars_),
-      views_(input.views.size()) {
+      views_(input.views.size()),
+      eliminated_(input.views.size()) {
   for (const JointView& view : input.views) {
-    auto& by_camera = whitening_.emplace_back();
-    for (const std::vector<Corner>& corners : view.corners) {
-      auto& list = by_camera.emplace_back();
-      for (const Corner& corner : corners) {
-        list.push_back(corner.covariance.inverse().llt().matrixU());
-      }
-    }
+    auto& by_camera = corners_.emplace_back();
+    for (const std::vector<Corner>& corners : view.corners)
+      by_camera.emplace_back(corners, input.board_corners);
   }
 }
 
@@ -47,120 +44,81 @@ int JointProblem::sensor_index(int sensor) const {
   return sensor < cameras_ ? camera_pose_index(sensor) : lidar_pose_index(sensor - cameras_);
 }
 
-double JointProblem::add_corners(const State& state, std::size_t view, int camera,
-                                 ViewEquations* equations) const {
-  const auto c = static_cast<std::size_t>(camera);
-  const std::vector<Corner>& corners = input_.views[view].corners[c];
-  if (corners.empty()) return 0;
-  const Camera& model = state.cameras[c];
-  const Pose T_camera_board = state.T_ref_camera[c].inverse() * state.T_ref_board[view];
-  // Local unknowns: board pose (6), camera pose (6), fx fy cx cy (4).
-  Eigen::Matrix<double, 16, 16> H = Eigen::Matrix<double, 16, 16>::Zero();
-  Eigen::Matrix<double, 16, 1> g = Eigen::Matrix<double, 16, 1>::Zero();
-  double cost = 0;
-  ProjectionJacobian jacobian;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector2d& xy = input_.board_corners[static_cast<std::size_t>(corners[i].id)];
-    const Eigen::Vector3d p_board(xy.x(), xy.y(), 0);
-    const Eigen::Vector3d p = T_camera_board * p_board;
-    const std::optional<Eigen::Vector2d> pixel = model.project(p, equations ? &jacobian : nullptr);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    const Eigen::Matrix2d& W = whitening_[view][c][i];
-    const Eigen::Vector2d e = W * (*pixel - corners[i].pixel);
-    const double norm = e.norm();
-    const double k = input_.corner_huber;
-    const double weight = norm <= k ? 1 : k / norm;
-    cost += norm <= k ? 0.5 * norm * norm : k * (norm - 0.5 * k);
-    if (!equations) continue;
-    const Eigen::Matrix<double, 2, 3> by_point = W * jacobian.point;
-    Eigen::Matrix<double, 2, 16> J;
-    J.block<2, 3>(0, 0) = -by_point * T_camera_board.R * skew(p_board);
-    J.block<2, 3>(0, 3) = by_point * T_camera_board.R;
-    J.block<2, 3>(0, 6) = by_point * skew(p);
-    J.block<2, 3>(0, 9) = -by_point;
-    J.block<2, 4>(0, 12) = W * jacobian.parameters.leftCols<4>();
-    H.noalias() += weight * J.transpose() * J;
-    g.noalias() += weight * J.transpose() * e;
-  }
-  if (!equations) return cost;
-  const int pose = sensor_index(camera);
-  const int intrinsics = intrinsics_index(camera);
-  equations->Hvv += H.block<6, 6>(0, 0);
-  equations->gv += g.head<6>();
-  equations->Hvg.middleCols<4>(intrinsics) += H.block<6, 4>(0, 12);
-  equations->Hgg.block<4, 4>(intrinsics, intrinsics) += H.block<4, 4>(12, 12);
-  equations->gg.segment<4>(intrinsics) += g.tail<4>();
-  if (pose >= 0) {
-    equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
-    equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
-    equations->Hgg.block<6, 4>(pose, intrinsics) += H.block<6, 4>(6, 12);
-    equations->Hgg.block<4, 6>(intrinsics, pose) += H.block<4, 6>(12, 6);
-    equations->gg.segment<6>(pose) += g.segment<6>(6);
-  }
-  return cost;
+Pose JointProblem::sensor_board(const State& state, int sensor, std::size_t view) const {
+  return sensor_pose(state, sensor).inverse() * state.T_ref_board[view];
 }
 
-double JointProblem::add_ranges(const State& state, std::size_t view, int lidar,
-                                ViewEquations* equations) const {
+double JointProblem::corner_scale(int camera) const {
+  return input_.corner_scale.empty() ? 1 : input_.corner_scale[static_cast<std::size_t>(camera)];
+}
+
+double JointProblem::lidar_cost(const State& state, std::size_t view, int lidar,
+                                SensorEquations* equations) const {
   const auto l = static_cast<std::size_t>(lidar);
   const std::optional<RangeSums>& sums = input_.views[view].ranges[l];
-  if (!sums) return 0;
-  const Pose T_lidar_board = state.T_ref_lidar[l].inverse() * state.T_ref_board[view];
-  const Eigen::Vector3d m = T_lidar_board.R.col(2);
-  const double h = m.dot(T_lidar_board.t);
-  if (std::abs(h) < 1e-6) return std::numeric_limits<double>::infinity();
-  const double scale = 1 / (input_.range_sigma[l] * input_.range_sigma[l]);
-  const Vector5d z = sums->z(m / h, state.range_bias[l], state.range_slope[l]);
-  const double cost = scale * sums->at(z);
-  if (!equations) return cost;
-  // q = m / h; dq = dm / h - m dh / h^2. By the board pose: dm = -R [e3]x dr, dh = e3.dt (turning about the
-  // board's own origin moves no point of the axis m through it: dh = dm.t). By the LiDAR's pose: dm = [m]x
-  // dr, dh = -m.dt.
-  Eigen::Matrix<double, 5, 14> D =
-      Eigen::Matrix<double, 5, 14>::Zero();  // of z by (board pose, LiDAR pose, bias, slope)
-  const Eigen::Matrix3d by_board = -T_lidar_board.R * skew(Eigen::Vector3d::UnitZ());
-  D.block<3, 3>(0, 0) = by_board / h - m * (T_lidar_board.t.transpose() * by_board) / (h * h);
-  D.block<3, 3>(0, 3) = -m * Eigen::RowVector3d::UnitZ() / (h * h);
-  D.block<3, 3>(0, 6) = skew(m) / h;
-  D.block<3, 3>(0, 9) = m * m.transpose() / (h * h);
-  D(3, 12) = D(4, 13) = 1;
-  const Eigen::Matrix<double, 14, 14> H = scale * D.transpose() * sums->H * D;
-  const Eigen::Matrix<double, 14, 1> g = scale * D.transpose() * (sums->gradient + sums->H * z);
-  const int pose = lidar_pose_index(lidar);
-  const int bias = bias_index(lidar);
-  const int slope = slope_index(lidar);
-  equations->Hvv += H.block<6, 6>(0, 0);
-  equations->gv += g.head<6>();
-  equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
-  equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
-  equations->gg.segment<6>(pose) += g.segment<6>(6);
-  for (const auto& [index, i] : {std::pair{bias, 12}, {slope, 13}}) {
-    equations->Hvg.col(index) += H.block<6, 1>(0, i);
-    equations->Hgg.block<6, 1>(pose, index) += H.block<6, 1>(6, i);
-    equations->Hgg.block<1, 6>(index, pose) += H.block<1, 6>(i, 6);
-    equations->Hgg(index, index) += H(i, i);
-    equations->gg(index) += g(i);
-  }
-  equations->Hgg(bias, slope) += H(12, 13);
-  equations->Hgg(slope, bias) += H(13, 12);
+  const std::vector<EdgeSums>& edges = input_.views[view].edges[l];
+  if (!sums && edges.empty()) return 0;
+  const Pose T_lidar_board = sensor_board(state, cameras_ + lidar, view);
+  const LidarErrors errors{state.range_bias[l], state.dilation[l], state.range_slope[l]};
+  double cost = add_edges(edges, T_lidar_board, errors, equations);
+  if (sums) cost += add_ranges(*sums, input_.range_sigma[l], T_lidar_board, errors, equations);
   return cost;
 }
 
-void JointProblem::clear(ViewEquations& equations) const {
+void JointProblem::add_sensor(const SensorEquations& sensor, const Pose& T_sensor_board, int pose,
+                              std::span<const int> numbers, ViewEquations& equations) {
+  const Matrix6d H = sensor.H.topLeftCorner<6, 6>();
+  const Vector6d g = sensor.g.head<6>();
+  equations.Hvv += H;
+  equations.gv += g;
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const auto from = static_cast<Eigen::Index>(6 + k);
+    equations.Hvg.col(numbers[k]) += sensor.H.block<6, 1>(0, from);
+    equations.gg(numbers[k]) += sensor.g(from);
+    for (std::size_t j = 0; j < numbers.size(); ++j)
+      equations.Hgg(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
+  }
+  if (pose < 0) return;
+  // T_sensor_board = T_ref_sensor^-1 T_ref_board: perturbing the sensor by d perturbs it by
+  // -Ad(T_board_sensor) d.
+  const Matrix6d A = -adjoint(T_sensor_board.inverse());
+  const Matrix6d HA = H * A;
+  equations.Hvg.middleCols<6>(pose) += HA;
+  equations.Hgg.block<6, 6>(pose, pose) += A.transpose() * HA;
+  equations.gg.segment<6>(pose) += A.transpose() * g;
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const Vector6d mixed = A.transpose() * sensor.H.block<6, 1>(0, static_cast<Eigen::Index>(6 + k));
+    equations.Hgg.block<6, 1>(pose, numbers[k]) += mixed;
+    equations.Hgg.block<1, 6>(numbers[k], pose) += mixed.transpose();
+  }
+}
+
+double JointProblem::linearize_view(const State& state, std::size_t view) {
+  ViewEquations& equations = views_[view];
   equations.Hvv.setZero();
   equations.Hvg.setZero(6, globals_);
   equations.Hgg.setZero(globals_, globals_);
   equations.gg.setZero(globals_);
   equations.gv.setZero();
-}
-
-double JointProblem::add_view(const State& state, std::size_t view, ViewEquations* equations) const {
-  if (equations) clear(*equations);
   double cost = 0;
-  for (int c = 0; c < cameras_; ++c) cost += add_corners(state, view, c, equations);
+  for (int c = 0; c < cameras_; ++c) {
+    CornerField& corners = corners_[view][static_cast<std::size_t>(c)];
+    if (corners.empty()) continue;
+    const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
+    const Pose T_camera_board = sensor_board(state, c, view);
+    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber))
+      return std::numeric_limits<double>::infinity();
+    const SensorEquations sensor =
+        corners.equations(camera, T_camera_board, corner_scale(c), input_.corner_huber);
+    const int k = intrinsics_index(c);
+    add_sensor(sensor, T_camera_board, sensor_index(c), std::array{k, k + 1, k + 2, k + 3}, equations);
+    cost += sensor.cost;
+  }
   for (int l = 0; l < lidars_; ++l) {
-    cost += add_ranges(state, view, l, equations);
-    cost += add_edges(state, view, l, equations);
+    SensorEquations sensor;
+    cost += lidar_cost(state, view, l, &sensor);
+    add_sensor(sensor, sensor_board(state, cameras_ + l, view), lidar_pose_index(l),
+               std::array{bias_index(l), dilation_index(l), slope_index(l)}, equations);
   }
   return cost;
 }
@@ -210,57 +168,99 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
 }
 
 double JointProblem::linearize(const State& state) {
+  total_H_.setZero(globals_, globals_);
+  total_g_.setZero(globals_);
   double cost = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v) cost += add_view(state, v, &views_[v]);
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    cost += linearize_view(state, v);
+    total_H_ += views_[v].Hgg;
+    total_g_ += views_[v].gg;
+  }
   prior_H_.setZero(globals_, globals_);
   prior_g_.setZero(globals_);
   return cost + add_priors(state, &prior_H_, &prior_g_);
 }
 
 double JointProblem::cost(const State& state) const {
-  double cost = add_priors(state, nullptr, nullptr);
-  for (std::size_t v = 0; v < views_.size(); ++v) cost += add_view(state, v, nullptr);
-  return cost;
+  double cost = 0;
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    for (int c = 0; c < cameras_; ++c) {
+      const CornerField& corners = corners_[v][static_cast<std::size_t>(c)];
+      if (corners.empty()) continue;
+      cost += corners.cost(state.cameras[static_cast<std::size_t>(c)], sensor_board(state, c, v),
+                           corner_scale(c), input_.corner_huber);
+    }
+    for (int l = 0; l < lidars_; ++l) cost += lidar_cost(state, v, l, nullptr);
+  }
+  return cost + add_priors(state, nullptr, nullptr);
 }
 
-std::optional<Eigen::VectorXd> JointProblem::step(double damping) const {
-  Eigen::MatrixXd S = prior_H_;
-  Eigen::VectorXd r = prior_g_;
+bool JointProblem::eliminate(const ViewEquations& view, double damping, Elimination& result) {
+  Matrix6d Hvv = view.Hvv;
+  Hvv.diagonal() +=
+      damping * view.Hvv.diagonal() + Vector6d::Constant(1e-12 * view.Hvv.diagonal().maxCoeff());
+  result.ldlt.compute(Hvv);
+  if (result.ldlt.info() != Eigen::Success) return false;
+  result.rows = view.Hvg;
+  result.right = view.gv;
+  const auto& swaps = result.ldlt.transpositionsP();
+  const Matrix6d& L = result.ldlt.matrixLDLT();
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    if (swaps.coeff(i) == i) continue;
+    result.rows.row(i).swap(result.rows.row(swaps.coeff(i)));
+    std::swap(result.right(i), result.right(swaps.coeff(i)));
+  }
+  for (Eigen::Index i = 1; i < 6; ++i) {
+    for (Eigen::Index k = 0; k < i; ++k) {
+      result.rows.row(i) -= L(i, k) * result.rows.row(k);
+      result.right(i) -= L(i, k) * result.right(k);
+    }
+  }
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    const double d = L(i, i);
+    result.inverse(i) = std::abs(d) > std::numeric_limits<double>::min() ? 1 / d : 0;
+  }
+  return true;
+}
+
+std::optional<Eigen::VectorXd> JointProblem::step(double damping) {
+  Eigen::MatrixXd S = prior_H_ + total_H_;
+  Eigen::VectorXd r = prior_g_ + total_g_;
   S.diagonal() *= 1 + damping;
-  std::vector<Eigen::LDLT<Matrix6d>> factors;
-  factors.reserve(views_.size());
-  for (const ViewEquations& view : views_) {
-    Matrix6d Hvv = view.Hvv;
-    Hvv.diagonal() +=
-        damping * view.Hvv.diagonal() + Vector6d::Constant(1e-12 * view.Hvv.diagonal().maxCoeff());
-    factors.emplace_back(Hvv);
-    if (factors.back().info() != Eigen::Success) return std::nullopt;
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = factors.back().solve(view.Hvg);
-    S += view.Hgg;
-    S.diagonal() += damping * view.Hgg.diagonal();
-    S.noalias() -= view.Hvg.transpose() * solved;
-    r += view.gg;
-    r.noalias() -= solved.transpose() * view.gv;
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> weighted(6, globals_);
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    Elimination& view = eliminated_[v];
+    if (!eliminate(views_[v], damping, view)) return std::nullopt;
+    weighted = view.inverse.asDiagonal() * view.rows;
+    S.noalias() -= weighted.transpose().lazyProduct(view.rows);
+    r.noalias() -= weighted.transpose().lazyProduct(view.right);
   }
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return std::nullopt;
   Eigen::VectorXd step(globals_ + 6 * static_cast<Eigen::Index>(views_.size()));
   step.head(globals_) = -ldlt.solve(r);
   for (std::size_t v = 0; v < views_.size(); ++v) {
+    // L' x = -D^-1 (L^-1 P (gv + Hvg dg)), then P'.
+    const Elimination& view = eliminated_[v];
+    Vector6d x = view.right;
+    x.noalias() += view.rows.lazyProduct(step.head(globals_));
+    x = -view.inverse.cwiseProduct(x);
+    view.ldlt.matrixU().solveInPlace(x);
     step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v)) =
-        -factors[v].solve(views_[v].gv + views_[v].Hvg * step.head(globals_));
+        view.ldlt.transpositionsP().transpose() * x;
   }
   return step;
 }
 
 double JointProblem::predicted_decrease(const Eigen::VectorXd& step) const {
   const Eigen::VectorXd dg = step.head(globals_);
-  double model = prior_g_.dot(dg) + 0.5 * dg.dot(prior_H_ * dg);
+  double model = (prior_g_ + total_g_).dot(dg) + 0.5 * dg.dot(prior_H_ * dg) + 0.5 * dg.dot(total_H_ * dg);
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const Vector6d dv = step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v));
     const ViewEquations& view = views_[v];
-    model += view.gg.dot(dg) + view.gv.dot(dv) + 0.5 * dg.dot(view.Hgg * dg) + 0.5 * dv.dot(view.Hvv * dv) +
-             dv.dot(view.Hvg * dg);
+    Vector6d slope = view.gv + 0.5 * view.Hvv * dv;
+    slope.noalias() += view.Hvg.lazyProduct(dg);
+    model += slope.dot(dv);
   }
   return -model;
 }
@@ -286,69 +286,30 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
   return next;
 }
 
-double JointProblem::add_edges(const State& state, std::size_t view, int lidar,
-                               ViewEquations* equations) const {
-  const auto l = static_cast<std::size_t>(lidar);
-  const std::vector<EdgeSums>& edges = input_.views[view].edges[l];
-  if (edges.empty()) return 0;
-  const Pose T_lidar_board = state.T_ref_lidar[l].inverse() * state.T_ref_board[view];
-  Eigen::Matrix<double, 13, 13> H =
-      Eigen::Matrix<double, 13, 13>::Zero();  // board pose, LiDAR pose, dilation
-  Eigen::Matrix<double, 13, 1> g = Eigen::Matrix<double, 13, 1>::Zero();
-  double cost = 0;
-  for (const EdgeSums& edge : edges) {
-    const Eigen::Vector4d z = edge.at(T_lidar_board, state.dilation[l]);
-    const Eigen::Vector4d Hz = edge.H * z;
-    cost += 0.5 * z.dot(Hz);
-    if (!equations) continue;
-    const Eigen::Vector3d a = T_lidar_board * edge.a;
-    const Eigen::Vector3d b = T_lidar_board * edge.b;
-    const Eigen::Vector3d normal = z.head<3>();
-    Eigen::Matrix<double, 3, 12> by_a, by_b;  // of the ends, by board pose and LiDAR pose
-    by_a << -T_lidar_board.R * skew(edge.a), T_lidar_board.R, skew(a), -Eigen::Matrix3d::Identity();
-    by_b << -T_lidar_board.R * skew(edge.b), T_lidar_board.R, skew(b), -Eigen::Matrix3d::Identity();
-    Eigen::Matrix<double, 4, 13> J = Eigen::Matrix<double, 4, 13>::Zero();
-    J.topLeftCorner<3, 12>() = (Eigen::Matrix3d::Identity() - normal * normal.transpose()) /
-                               a.cross(b).norm() * (skew(a) * by_b - skew(b) * by_a);
-    J(3, 12) = 1;
-    H.noalias() += J.transpose() * edge.H * J;
-    g.noalias() += J.transpose() * Hz;
-  }
-  if (!equations) return cost;
-  const int pose = lidar_pose_index(lidar);
-  const int dilation = dilation_index(lidar);
-  equations->Hvv += H.block<6, 6>(0, 0);
-  equations->gv += g.head<6>();
-  equations->Hvg.middleCols<6>(pose) += H.block<6, 6>(0, 6);
-  equations->Hvg.col(dilation) += H.block<6, 1>(0, 12);
-  equations->Hgg.block<6, 6>(pose, pose) += H.block<6, 6>(6, 6);
-  equations->Hgg.block<6, 1>(pose, dilation) += H.block<6, 1>(6, 12);
-  equations->Hgg.block<1, 6>(dilation, pose) += H.block<1, 6>(12, 6);
-  equations->Hgg(dilation, dilation) += H(12, 12);
-  equations->gg.segment<6>(pose) += g.segment<6>(6);
-  equations->gg(dilation) += g(12);
-  return cost;
-}
-
-Misfit JointProblem::misfit(const State& state, std::size_t view) const {
+Misfit JointProblem::misfit(const State& state, std::size_t view) {
   // A sensor's Newton decrement, twice, is what its own cost could still fall if it had the board pose to
   // itself. Summed over sensors whose gradients cancel this is their disagreement over its covariance.
   const auto decrement = [](const auto& H, const auto& g) { return g.dot(H.ldlt().solve(g)); };
   Misfit misfit;
-  ViewEquations equations;
   Matrix6d H_cameras = Matrix6d::Zero();
   Vector6d g_cameras = Vector6d::Zero();
   for (int c = 0; c < cameras_; ++c) {
-    if (input_.views[view].corners[static_cast<std::size_t>(c)].empty()) continue;
-    clear(equations);
-    if (!std::isfinite(add_corners(state, view, c, &equations))) {
+    CornerField& corners = corners_[view][static_cast<std::size_t>(c)];
+    if (corners.empty()) continue;
+    const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
+    const Pose T_camera_board = sensor_board(state, c, view);
+    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber)) {
       misfit.lidars = misfit.cameras = std::numeric_limits<double>::infinity();
       return misfit;
     }
-    misfit.cameras += decrement(equations.Hvv, equations.gv);
+    const SensorEquations sensor =
+        corners.equations(camera, T_camera_board, corner_scale(c), input_.corner_huber);
+    const Matrix6d H = sensor.H.topLeftCorner<6, 6>();
+    const Vector6d g = sensor.g.head<6>();
+    misfit.cameras += decrement(H, g);
     misfit.camera_freedom += 6;
-    H_cameras += equations.Hvv;
-    g_cameras += equations.gv;
+    H_cameras += H;
+    g_cameras += g;
   }
   if (misfit.camera_freedom > 0) {
     const double together = decrement(H_cameras, g_cameras);
@@ -360,7 +321,7 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) const {
     const auto i = static_cast<std::size_t>(l);
     const std::optional<RangeSums>& sums = input_.views[view].ranges[i];
     if (!sums) continue;
-    const Pose T_lidar_board = state.T_ref_lidar[i].inverse() * state.T_ref_board[view];
+    const Pose T_lidar_board = sensor_board(state, cameras_ + l, view);
     const Vector5d z =
         sums->z(inverse_plane(board_plane(T_lidar_board)), state.range_bias[i], state.range_slope[i]);
     const Eigen::Vector3d gradient = (sums->gradient + sums->H * z).head<3>();
@@ -377,13 +338,14 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) const {
 
 void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,
                               Eigen::VectorXd& gradient) const {
-  const ViewEquations& equations = views_[view];
-  Matrix6d Hvv = equations.Hvv;
-  Hvv.diagonal().array() += 1e-12 * equations.Hvv.diagonal().maxCoeff();
-  const Eigen::LDLT<Matrix6d> ldlt(Hvv);
-  const Eigen::Matrix<double, 6, Eigen::Dynamic> solved = ldlt.solve(equations.Hvg);
-  information = equations.Hgg - equations.Hvg.transpose() * solved;
-  gradient = equations.gg - solved.transpose() * equations.gv;
+  Elimination eliminated;
+  eliminate(views_[view], 0, eliminated);
+  const Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> weighted =
+      eliminated.inverse.asDiagonal() * eliminated.rows;
+  information = views_[view].Hgg;
+  information.noalias() -= weighted.transpose().lazyProduct(eliminated.rows);
+  gradient = views_[view].gg;
+  gradient.noalias() -= weighted.transpose().lazyProduct(eliminated.right);
 }
 
 Eigen::MatrixXd JointProblem::information() const {

@@ -1,13 +1,16 @@
 /// @file The maximum-likelihood problem of a whole rig: corners, ranges along the rays, and priors.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
 #include "core/geometry/pose.h"
+#include "core/solve/corner_field.h"
 #include "core/solve/edge_sums.h"
 #include "core/solve/misfit.h"
 #include "core/solve/range_sums.h"
@@ -16,7 +19,7 @@ namespace ca2 {
 
 /// What a view contributes, by sensor index. Sensors that did not see the board contribute nothing.
 struct JointView {
-  std::vector<std::vector<Corner>> corners;  ///< by camera; covariance in px^2, already scaled to the truth
+  std::vector<std::vector<Corner>> corners;      ///< by camera; covariance in px^2, as stated
   std::vector<std::optional<RangeSums>> ranges;  ///< by LiDAR
   std::vector<std::vector<EdgeSums>> edges;      ///< by LiDAR: of the plate's sides
 };
@@ -41,7 +44,8 @@ struct JointInput {
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
   double prior_dilation =
       0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it at 0
-  double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
+  std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
+  double corner_huber = 3;           ///< whitened corner error from which the cost grows linearly
 };
 
 /// The unknowns. The first camera is the reference frame.
@@ -56,7 +60,9 @@ struct JointState {
 };
 
 /// Costs and normal equations for `minimize`. The board poses are eliminated view by view (Schur complement),
-/// so that a step costs time linear in the views.
+/// so that a step costs time linear in the views; corners are projected anew only where the board moved. The
+/// input is read at every call, so that noise, returns and rims may be put right between two solves; the
+/// corners are those it had at the construction.
 ///
 /// Order of the global unknowns: 6 per camera but the first, 6 per LiDAR, 4 per camera (fx, fy, cx, cy), 1
 /// per LiDAR (range bias), 1 per LiDAR (dilation), 1 per LiDAR (range slope); poses as right perturbations
@@ -68,12 +74,16 @@ class JointProblem {
 
   double linearize(const State& state);
   double cost(const State& state) const;
-  std::optional<Eigen::VectorXd> step(double damping) const;
+  std::optional<Eigen::VectorXd> step(double damping);
   double predicted_decrease(const Eigen::VectorXd& step) const;
   State moved(const State& state, const Eigen::VectorXd& step) const;
 
   /// How far a view's sensors disagree about the board at the solution.
-  Misfit misfit(const State& state, std::size_t view) const;
+  Misfit misfit(const State& state, std::size_t view);
+  /// What camera `camera` saw in a view.
+  const CornerField& corners(std::size_t view, int camera) const {
+    return corners_[view][static_cast<std::size_t>(camera)];
+  }
 
   int globals() const { return globals_; }
   int camera_pose_index(int camera) const { return 6 * (camera - 1); }  ///< camera > 0
@@ -89,29 +99,43 @@ class JointProblem {
   void view_share(std::size_t view, Eigen::MatrixXd& information, Eigen::VectorXd& gradient) const;
 
  private:
+  /// Of one view, by its board pose (v) and the globals (g).
   struct ViewEquations {
     Matrix6d Hvv;
-    Eigen::Matrix<double, 6, Eigen::Dynamic> Hvg;
+    Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> Hvg;
     Eigen::MatrixXd Hgg;
     Eigen::VectorXd gg;
     Vector6d gv;
   };
-  void clear(ViewEquations& equations) const;
-  double add_view(const State& state, std::size_t view, ViewEquations* equations) const;
-  double add_corners(const State& state, std::size_t view, int camera, ViewEquations* equations) const;
-  double add_ranges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
-  double add_edges(const State& state, std::size_t view, int lidar, ViewEquations* equations) const;
+  /// Of one view with its board pose eliminated: Hvv = P'LDL'P.
+  struct Elimination {
+    Eigen::LDLT<Matrix6d> ldlt;
+    Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< L^-1 P Hvg
+    Vector6d right;                                                  ///< L^-1 P gv
+    Vector6d inverse;                                                ///< of D; 0 where D is
+  };
+  static bool eliminate(const ViewEquations& view, double damping, Elimination& result);
+
+  Pose sensor_board(const State& state, int sensor, std::size_t view) const;
+  /// Cost of one LiDAR in one view, with its derivatives where asked for.
+  double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
+  double linearize_view(const State& state, std::size_t view);
+  static void add_sensor(const SensorEquations& sensor, const Pose& T_sensor_board, int pose,
+                         std::span<const int> numbers, ViewEquations& equations);
+  double corner_scale(int camera) const;
   double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference
 
   const JointInput& input_;
   int cameras_, lidars_, lidar_poses_, intrinsics_, biases_, globals_;
-  std::vector<std::vector<std::vector<Eigen::Matrix2d>>>
-      whitening_;  ///< [view][camera][corner]: W'W = covariance^-1
+  std::vector<std::vector<CornerField>> corners_;  ///< [view][camera]
   std::vector<ViewEquations> views_;
+  std::vector<Elimination> eliminated_;
   Eigen::MatrixXd prior_H_;
   Eigen::VectorXd prior_g_;
+  Eigen::MatrixXd total_H_;  ///< of all views' Hgg
+  Eigen::VectorXd total_g_;
 };
 
 }  // namespace ca2

@@ -37,12 +37,11 @@ class Solver {
     outlines_.assign(views.size(), board.extent());
     correction_.resize(lidars_);
     answer_.corner_scale.assign(cameras.size(), 1);
+    neighbours_ = neighbouring_corners(input_.board_corners, 1.2 * board.square);
     state_.T_ref_camera = seed.T_ref_camera;
     state_.T_ref_lidar = seed.T_ref_lidar;
     state_.cameras = cameras;
-    state_.range_bias.assign(lidars_, 0);
-    state_.range_slope.assign(lidars_, 0);
-    state_.dilation.assign(lidars_, 0);
+    state_.range_bias = state_.range_slope = state_.dilation = std::vector<double>(lidars_, 0);
     state_.T_ref_board.resize(views.size());
     corners_.resize(views.size());
     const int count = static_cast<int>(input_.board_corners.size());
@@ -88,8 +87,7 @@ class Solver {
   void note_usability(std::size_t v) {
     JointViewOutcome& outcome = answer_.views[v];
     outcome.used = sensors_in(v) >= 2;
-    if (outcome.used) return;
-    outcome.reason = why_unusable(views_[v]);
+    if (!outcome.used) outcome.reason = why_unusable(views_[v]);
   }
 
   Pose T_lidar_board(std::size_t v, std::size_t l) const {
@@ -98,24 +96,29 @@ class Solver {
 
   /// Fills input_ for the views in use (with their indices in active_).
   void prepare(Returns returns) {
-    active_.clear();
-    input_.views.clear();
+    choose_views();
     input_.range_sigma = answer_.range_sigma;
+    input_.corner_scale = answer_.corner_scale;
     input_.prior_range_slope.resize(lidars_);
-    for (std::size_t v = 0; v < views_.size(); ++v) {
-      if (!answer_.views[v].used) continue;
-      active_.push_back(v);
-      JointView& view = input_.views.emplace_back();
-      view.corners = corners_[v];
-      for (std::size_t c = 0; c < view.corners.size(); ++c) {
-        const double scale = answer_.corner_scale[c] * answer_.corner_scale[c];
-        for (Corner& corner : view.corners[c]) corner.covariance *= scale;
-      }
-      view.ranges.resize(lidars_);
-      view.edges.resize(lidars_);
+    for (JointView& view : input_.views) {
+      view.ranges.assign(lidars_, std::nullopt);
+      view.edges.assign(lidars_, {});
     }
     for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l, returns);
     if (edge_slack_ > 0) prepare_edges();
+  }
+
+  void choose_views() {
+    std::vector<std::size_t> chosen;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      if (answer_.views[v].used) chosen.push_back(v);
+    }
+    if (problem_ && chosen == active_) return;
+    active_ = std::move(chosen);
+    input_.range_sigma = answer_.range_sigma;
+    input_.views.clear();
+    for (const std::size_t v : active_) input_.views.emplace_back().corners = corners_[v];
+    problem_.emplace(input_);
   }
 
   /// The sums of one LiDAR's returns in every view in use.
@@ -187,11 +190,10 @@ class Solver {
     prepare(returns);
     estimate_range_noise();
     marginalize_view_errors();
-    JointProblem problem(input_);
     JointState active = active_state();
-    minimize(problem, active, {.max_iterations = 30});
+    minimize(*problem_, active, {.max_iterations = 30});
     for (std::size_t i = 0; i < active_.size(); ++i)
-      answer_.views[active_[i]].misfit = problem.misfit(active, i);
+      answer_.views[active_[i]].misfit = problem_->misfit(active, i);
     take(std::move(active));
     estimate_corner_noise();
   }
@@ -340,11 +342,14 @@ class Solver {
   void estimate_corner_noise() {
     for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
       CornerNoise noise;
-      for (const std::size_t v : active_) {
-        if (corners_[v][c].empty()) continue;
+      for (std::size_t i = 0; i < active_.size(); ++i) {
+        const CornerField& corners = problem_->corners(i, static_cast<int>(c));
+        if (corners.empty()) continue;
+        const std::size_t v = active_[i];
         const Pose T_camera_board = state_.T_ref_camera[c].inverse() * state_.T_ref_board[v];
-        answer_.views[v].reprojection_rms =
-            noise.add_view(board_, input_.board_corners, state_.cameras[c], T_camera_board, corners_[v][c]);
+        answer_.views[v].reprojection_rms = corners.rms(state_.cameras[c], T_camera_board);
+        noise.add_view(corners, corners.errors_about_own_pose(state_.cameras[c], T_camera_board),
+                       neighbours_);
       }
       if (const auto scale = noise.scale()) answer_.corner_scale[c] = *scale;
     }
@@ -366,15 +371,14 @@ class Solver {
   void finish() {
     prepare(Returns::by_ray);
     marginalize_view_errors();
-    JointProblem problem(input_);
     JointState active = active_state();
-    minimize(problem, active, {.max_iterations = 30});
-    problem.linearize(active);
+    minimize(*problem_, active, {.max_iterations = 30});
+    problem_->linearize(active);
     take(active);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];
       JointViewOutcome& outcome = answer_.views[v];
-      outcome.misfit = problem.misfit(active, i);
+      outcome.misfit = problem_->misfit(active, i);
       double weight = 0;
       double squares = 0;
       for (std::size_t l = 0; l < lidars_; ++l) {
@@ -392,11 +396,11 @@ class Solver {
     const Misfit misfit = total_misfit();
     answer_.variance_factor = std::max(misfit_excess(misfit.lidars, misfit.lidar_freedom),
                                        misfit_excess(misfit.cameras, misfit.camera_freedom));
-    invert(problem);
+    invert();
   }
 
-  void invert(const JointProblem& problem) {
-    const Eigen::MatrixXd information = problem.information();
+  void invert() {
+    const Eigen::MatrixXd information = problem_->information();
     const auto covariance = scaled_inverse(information);
     if (!covariance) {
       answer_.covariance = Eigen::MatrixXd::Constant(information.rows(), information.cols(), 0);
@@ -410,7 +414,7 @@ class Solver {
     Eigen::MatrixXd share;
     Eigen::VectorXd gradient;
     for (std::size_t i = 0; i < active_.size(); ++i) {
-      problem.view_share(i, share, gradient);
+      problem_->view_share(i, share, gradient);
       const auto without = scaled_inverse(information - share);
       if (!without) {
         answer_.leave_one_out.resize(0, 0);
@@ -424,13 +428,14 @@ class Solver {
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
   double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used
-  std::vector<Outline>
-      outlines_;  ///< by view: where the plate is about a pattern whose ids may start at either end
+  std::vector<Outline> outlines_;            ///< by view: about a pattern whose ids may start at either end
   std::vector<RangeCorrection> correction_;  ///< by LiDAR
   JointInput input_;
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
+  std::optional<JointProblem> problem_;                    ///< of input_
+  NeighbourTable neighbours_;
   JointAnswer answer_;
 };
 
