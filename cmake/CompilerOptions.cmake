@@ -1,5 +1,7 @@
 # One interface target carries every flag, so that no directory has flags of its own.
 add_library(ca2_options INTERFACE)
+# The headers are C++20 for whoever includes them.
+target_compile_features(ca2_options INTERFACE cxx_std_20)
 # Warnings are for building this project, not for programs that use the installed libraries.
 target_compile_options(ca2_options INTERFACE "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wconversion;-Wno-sign-conversion;-Wnon-virtual-dtor;-Woverloaded-virtual;-Wcast-qual>")
 # The same picture must give the same answer on every machine: no fused multiply-add where the source has none.

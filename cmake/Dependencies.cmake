@@ -1,4 +1,4 @@
-# Every library, once; the README's table says what each is for.
+# What the libraries need; the README's table says what each is for. Installed with them: find_package(ca2) reads it too.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCV 4.5 REQUIRED COMPONENTS core imgproc calib3d)
 find_package(yaml-cpp REQUIRED)
@@ -7,7 +7,6 @@ find_package(pugixml REQUIRED)
 find_package(PNG REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(Threads REQUIRED)
-find_package(CLI11 REQUIRED)
 # PCL's include path through pkg-config: its CMake package insists on VTK, and its .pc files list MPI and HDF5,
 # which nothing here links. The libraries are linked by name.
 find_package(PkgConfig REQUIRED)
@@ -19,15 +18,9 @@ pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(CRYPTO REQUIRED IMPORTED_TARGET libcrypto)
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
-# No CMake package of LCM in Debian: pkg-config, and lcm-gen by hand (messages/CMakeLists.txt).
-pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
-pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 # GigE Vision and USB3 Vision cameras.
 if(CA2_WITH_ARAVIS)
   pkg_check_modules(ARAVIS REQUIRED IMPORTED_TARGET aravis-0.8)
 endif()
 pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
 pkg_check_modules(QHULL REQUIRED IMPORTED_TARGET qhull_r)
-pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
-find_package(spdlog REQUIRED)
-pkg_check_modules(CHAFA REQUIRED IMPORTED_TARGET chafa)

@@ -9,6 +9,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/completions/ca2.bash DESTINATION ${CMAKE_INS
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/config/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/ca2 COMPONENT ca2)
 file(GLOB manuals ${PROJECT_SOURCE_DIR}/docs/*.md)
 install(FILES ${manuals} ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ca2 COMPONENT ca2)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/images DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/ca2 COMPONENT ca2)
 
 # Manual pages: commands' from their own --help, so that they cannot disagree. That needs to run the program: a cross
 # build has none.

@@ -29,7 +29,9 @@ boards to print, recording and decoding of LiDAR packets, simulation.")
 set(CPACK_DEBIAN_LIBCA2-DEV_PACKAGE_NAME libca2-dev)
 set(CPACK_DEBIAN_LIBCA2-DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBCA2-DEV_PACKAGE_DEPENDS
-    "libeigen3-dev, libopencv-dev, libpcl-dev, libyaml-cpp-dev, nlohmann-json3-dev, libpugixml-dev, libpng-dev, libturbojpeg0-dev, libexpected-dev, libapriltag-dev, libqhull-dev, libpcap-dev, libcpp-httplib-dev, libusb-1.0-0-dev, libssl-dev, liblcm-dev, libsodium-dev, libcli11-dev")
+    "libeigen3-dev, libopencv-dev, libpcl-dev, libyaml-cpp-dev, nlohmann-json3-dev, libpugixml-dev, libpng-dev, libturbojpeg0-dev, libexpected-dev, libapriltag-dev, libqhull-dev, libpcap-dev, libcpp-httplib-dev, libusb-1.0-0-dev, libssl-dev, pkg-config")
+# For the LCM types.
+set(CPACK_DEBIAN_LIBCA2-DEV_PACKAGE_SUGGESTS "liblcm-dev, liblcm-bin")
 if(CA2_WITH_ARAVIS)
   string(APPEND CPACK_DEBIAN_LIBCA2-DEV_PACKAGE_DEPENDS ", libaravis-dev")
 endif()

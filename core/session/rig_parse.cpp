@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/board/board_type_hint.h"
 #include "core/io/files.h"
 #include "core/io/yaml_reader.h"
 #include "core/session/camera_yaml.h"
@@ -59,9 +60,7 @@ class RigParser {
     if (const auto name = reader_.text(type)) {
       board.type = find_board_type(*name);
       if (!board.type) {
-        std::vector<std::string_view> names;
-        for (const BoardType* known : board_types()) names.push_back(known->name());
-        reader_.problem(*type, "there is no board type '" + *name + "'", suggest(*name, names));
+        reader_.problem(*type, "there is no board type '" + *name + "'", board_type_hint(*name));
       }
     }
     const auto count = [&](const char* key) {

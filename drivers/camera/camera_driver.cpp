@@ -4,11 +4,33 @@
 
 namespace ca2 {
 
+#define CA2_CAMERA_SOURCE_LEFT_OUT(name, option)
 #define CA2_CAMERA_SOURCE(name) const CameraDriver& name##_camera_driver();
 #include "drivers/camera/sources.def"
 #undef CA2_CAMERA_SOURCE
+#undef CA2_CAMERA_SOURCE_LEFT_OUT
 
 namespace {
+
+/// A driver that this build has not, and the CMake option that brings it.
+struct LeftOut {
+  std::string_view name, option;
+};
+
+std::string how_to_have(const LeftOut& driver) {
+  return "this build was made without it: configure it with -D" + std::string(driver.option) + "=ON";
+}
+
+const std::vector<LeftOut>& left_out_drivers() {
+#define CA2_CAMERA_SOURCE(name)
+#define CA2_CAMERA_SOURCE_LEFT_OUT(name, option) {#name, #option},
+  static const std::vector<LeftOut> drivers{
+#include "drivers/camera/sources.def"
+  };
+#undef CA2_CAMERA_SOURCE
+#undef CA2_CAMERA_SOURCE_LEFT_OUT
+  return drivers;
+}
 
 Result<const CameraDriver*> driver_of(const SourceOptions& source) {
   std::vector<std::string_view> names;
@@ -20,8 +42,12 @@ Result<const CameraDriver*> driver_of(const SourceOptions& source) {
   for (const CameraDriver* driver : camera_drivers()) {
     if (driver->name == asked->second) return driver;
   }
+  std::string hint = suggest(asked->second, names);
+  for (const LeftOut& driver : left_out_drivers()) {
+    if (driver.name == asked->second) hint = how_to_have(driver);
+  }
   return fail(ErrorCode::config, "source", "there is no camera driver '" + asked->second + "'",
-              suggest(asked->second, names));
+              std::move(hint));
 }
 
 /// What tells this device from others.
@@ -37,10 +63,12 @@ SourceOptions identity(const CameraDriver& driver, const SourceOptions& source) 
 }  // namespace
 
 std::span<const CameraDriver* const> camera_drivers() {
+#define CA2_CAMERA_SOURCE_LEFT_OUT(name, option)
   static const std::array drivers{
 #define CA2_CAMERA_SOURCE(name) &name##_camera_driver(),
 #include "drivers/camera/sources.def"
 #undef CA2_CAMERA_SOURCE
+#undef CA2_CAMERA_SOURCE_LEFT_OUT
   };
   return drivers;
 }
@@ -64,6 +92,10 @@ CameraListing list_cameras() {
       continue;
     }
     for (FoundCamera& camera : *found) listing.cameras.push_back(std::move(camera));
+  }
+  for (const LeftOut& driver : left_out_drivers()) {
+    listing.problems.push_back(
+        {std::string(driver.name), "its cameras were not looked for", how_to_have(driver)});
   }
   return listing;
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/board/board_type_hint.h"
 #include "core/export/board/sheet.h"
 #include "core/io/files.h"
 #include "core/session/board_yaml.h"
@@ -96,10 +97,15 @@ Result<int> draw(const Options& options) {
 
 CommandBody setup_board(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  std::vector<std::string> types;
-  for (const BoardType* type : board_types()) types.emplace_back(type->name());
+  std::string types;
+  for (const BoardType* type : board_types()) {
+    types += (types.empty() ? "{" : ",") + std::string(type->name());
+  }
+  const auto unknown = [](const std::string& name) {
+    return find_board_type(name) ? "" : "there is no board type '" + name + "'; " + board_type_hint(name);
+  };
   app.add_option("--type", options->type, "Kind of board")
-      ->check(CLI::IsMember(types))
+      ->check(CLI::Validator(unknown, types + "}"))
       ->capture_default_str();
   app.add_option("--paper", options->paper,
                  "A0 to A5, letter, tabloid, with -portrait or without, or WIDTHxHEIGHT in mm")

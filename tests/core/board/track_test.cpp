@@ -19,6 +19,10 @@ struct Scene {
 
 class Tracking : public testing::TestWithParam<int> {
  protected:
+  void SetUp() override {
+    if (!scene().board.type) GTEST_SKIP() << "built without ChArUco";
+  }
+
   Scene scene() const {
     const Scene scenes[] = {
         {"narrow", test::make_board("checkerboard", 8, 6), test::narrow_camera(), 1.6},

@@ -3,6 +3,7 @@
 #include <random>
 
 #include "core/board/board.h"
+#include "core/board/board_type_hint.h"
 
 namespace ca2 {
 namespace {
@@ -33,6 +34,14 @@ Board aprilgrid(int columns, int rows) {
 TEST(BoardTypes, AreFoundByName) {
   for (const BoardType* type : board_types()) EXPECT_EQ(find_board_type(type->name()), type);
   EXPECT_EQ(find_board_type("chequerboard"), nullptr);
+}
+
+TEST(BoardTypes, AnUnknownOneIsToldWhatToDo) {
+  EXPECT_EQ(board_type_hint("chekerboard"), "did you mean 'checkerboard'?");
+  if (!find_board_type("charuco")) {
+    EXPECT_EQ(board_type_hint("charuco"),
+              "this build was made without it: configure it with -DCA2_WITH_CHARUCO=ON");
+  }
 }
 
 /// What every type promises, for boards of both parities.

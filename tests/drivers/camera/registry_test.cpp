@@ -53,6 +53,16 @@ TEST(CameraDrivers, WrongDriversAreNamedWithTheKnown) {
   EXPECT_NE(error_of({{"driver", "patern"}}).find("did you mean 'pattern'?"), std::string::npos);
 }
 
+TEST(CameraDrivers, OnesThatWereLeftOutNameTheOption) {
+  for (const CameraDriver* driver : camera_drivers()) {
+    if (driver->name == "aravis") GTEST_SKIP() << "this build has all of them";
+  }
+  EXPECT_NE(error_of({{"driver", "aravis"}}).find("-DCA2_WITH_ARAVIS=ON"), std::string::npos);
+  const CameraListing listing = list_cameras();
+  ASSERT_FALSE(listing.problems.empty());
+  EXPECT_EQ(listing.problems.back().where, "aravis");
+}
+
 TEST(CameraDrivers, AllProblemsOfASourceAreReported) {
   const std::string error =
       error_of({{"driver", "pattern"}, {"width", "12x"}, {"frame_rate", "-1"}, {"format", "Mono9"}});
