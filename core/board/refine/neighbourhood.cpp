@@ -59,14 +59,24 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
   const auto moved = [](const Cell& cell, int axis, long by) {
     return axis == 0 ? Cell(cell.first + by, cell.second) : Cell(cell.first, cell.second + by);
   };
-  // Second derivative of three corners in a line, px per pitch^2.
-  const auto bend = [&](const Cell& cell, int axis) -> std::optional<Eigen::Vector2d> {
+  struct Bend {
+    Eigen::Vector2d second;  // derivative of the pixel, px per pitch^2
+    double curvature;
+  };
+  // Of three corners in a line.
+  const auto bend = [&](const Cell& cell, int axis) -> std::optional<Bend> {
     const Eigen::Vector2d* before = pixel_at(moved(cell, axis, -1));
     const Eigen::Vector2d* here = pixel_at(cell);
     const Eigen::Vector2d* after = pixel_at(moved(cell, axis, 1));
     if (before == nullptr || here == nullptr || after == nullptr) return std::nullopt;
     const double b = step(cell, axis, -1), a = step(cell, axis, 1);
-    return 2 / (a + b) * ((*after - *here) / a - (*here - *before) / b);
+    const Eigen::Vector2d forward = (*after - *here) / a, back = (*here - *before) / b;
+    const Eigen::Vector2d second = 2 / (a + b) * (forward - back);
+    const Eigen::Vector2d first = (b * forward + a * back) / (a + b);
+    const Eigen::Vector2d left(-first.y(), first.x());
+    // The line is at left . d = k (first . d)^2 with k = second / 2; the model's c is
+    // n . d + curvature (t . d)^2 = 0 on it.
+    return Bend{second, -0.5 * left.dot(second) / std::pow(first.norm(), 3)};
   };
   std::vector<std::optional<Neighbourhood>> result;
   for (const Corner& corner : corners) {
@@ -79,14 +89,10 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
         found.reset();
         break;
       }
-      // At the end of a line the next corner's bend is the best guess.
-      Eigen::Vector2d second = Eigen::Vector2d::Zero();
-      for (const long by : {0L, after != nullptr ? 1L : -1L}) {
-        if (const auto b = bend(moved(cell, axis, by), axis)) {
-          second = *b;
-          break;
-        }
-      }
+      // At the end of a line the next corner's bend is the best guess: in pixels, for the spacing shrinks.
+      const long beside = before != nullptr && after != nullptr ? 0 : (after != nullptr ? 1 : -1);
+      const auto bent = bend(moved(cell, axis, beside), axis);
+      const Eigen::Vector2d second = bent ? bent->second : Eigen::Vector2d::Zero();
       Eigen::Vector2d& along = found->along[axis];
       // The parabola through the corner and its neighbours: its slope at the corner.
       if (after != nullptr) {
@@ -96,15 +102,11 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
         const double b = step(cell, axis, -1);
         along = (corner.pixel - *before) / b + 0.5 * b * second;
       }
-      const double length = along.norm();
       double& reach = found->reach[axis];
-      reach = length;
+      reach = along.norm();
       if (before != nullptr) reach = std::min(reach, (corner.pixel - *before).norm());
       if (after != nullptr) reach = std::min(reach, (*after - corner.pixel).norm());
-      const Eigen::Vector2d left(-along.y() / length, along.x() / length);
-      // The line is at left . d = k (along . d)^2 / length^2 with k = second / 2; the model's z is
-      // n . d + curvature (t . d)^2 = 0 on it.
-      found->curvature[axis] = -0.5 * left.dot(second) / (length * length);
+      if (bent) found->curvature[axis] = bent->curvature;
     }
     result.push_back(found);
   }

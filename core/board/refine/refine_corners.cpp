@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/board/refine/edge_profile.h"
 #include "core/board/refine/neighbourhood.h"
 #include "core/board/refine/saddle_fit.h"
 
@@ -115,7 +116,7 @@ double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const 
     high = std::max(high, grey);
   }
   const double per_px = slope / (2 * step.norm() / samples);
-  return per_px > 0 ? std::clamp((high - low) / per_px / std::sqrt(2 * M_PI), 0.5, 8.0) : 1;
+  return per_px > 0 ? std::clamp((high - low) / per_px / std::sqrt(2 * M_PI), 0.3, 8.0) : 1;
 }
 
 double median(std::vector<double> values) {
@@ -208,7 +209,9 @@ class Refiner {
       start.curvature[i] = lattice.curvature[i];
       sigma = std::max(sigma, std::exp(start.log_sigma[i]));
     }
-    start.points_per_pixel = sigma > 1.2 ? 1 : 4;
+    // The first pass finds out how sharp the picture is.
+    start.sharp = before != nullptr &&
+                  std::exp(std::min(start.log_sigma[0], start.log_sigma[1])) < PixelEdge::sharp_sigma;
     const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
     return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start, prior);
   }

@@ -3,99 +3,31 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "core/board/refine/edge_profile.h"
+#include "core/board/refine/saddle_evaluator.h"
 #include "core/geometry/levenberg_marquardt.h"
 
 namespace ca2 {
 namespace {
 
-constexpr int size = 10;
-using Row = Eigen::Matrix<double, size, 1>;
-// Order of the parameters.
-enum { x_, y_, angle_, log_sigma_ = 4, offset_ = 6, gain_, slope_ };
+using namespace saddle_parameters;
+using CrossRow = Eigen::Matrix<float, size, 1>;
+using EdgeRow = Eigen::Matrix<float, common + per_edge, 1>;
 
-/// The model with what does not change from pixel to pixel worked out.
-class Evaluator {
- public:
-  explicit Evaluator(const SaddleModel& model) : m_(model) {
-    for (int i = 0; i < 2; ++i) {
-      t_[i] = {std::cos(m_.angle[i]), std::sin(m_.angle[i])};
-      n_[i] = {-t_[i].y(), t_[i].x()};
-      inverse_sigma_[i] = std::exp(-m_.log_sigma[i]);
-    }
-    rho_ = n_[0].dot(n_[1]);
-    rho_slope_ = std::sin(m_.angle[1] - m_.angle[0]);
+// Without any blur the picture does not say how much there is: a guess, and its weight in grey^2.
+const double usual_log_sigma = std::log(0.3);
+constexpr double log_sigma_weight = 4;
+
+/// Sums of one kind of pixel.
+template <class Row>
+struct Sums {
+  static constexpr int rows = Row::RowsAtCompileTime;
+  Eigen::Matrix<float, rows, rows> h = Eigen::Matrix<float, rows, rows>::Zero();
+  Eigen::Matrix<double, rows, 1> g = Eigen::Matrix<double, rows, 1>::Zero();
+
+  void add(const Row& row, double residual) {
+    h.noalias() += row * row.transpose();
+    g += residual * row.template cast<double>();
   }
-
-  double grey(double x, double y, Row* by) const {
-    double product = 0;
-    Eigen::Matrix<double, 6, 1> by_shape = Eigen::Matrix<double, 6, 1>::Zero();  // x y angles log_sigmas
-    if (m_.points_per_pixel == 1) {
-      // Under a wide blur the pixel's area only adds to the blur.
-      add_point(x, y, 1, product, by != nullptr ? &by_shape : nullptr);
-    } else {
-      // Two Gauss points each way integrate over the pixel's area (exact for cubics): without it a sharp
-      // picture pulls the corner towards pixel centres.
-      constexpr double half = 0.28867513459481287;
-      for (const double sy : {-half, half}) {
-        for (const double sx : {-half, half}) {
-          add_point(x + sx, y + sy, 0.25, product, by != nullptr ? &by_shape : nullptr);
-        }
-      }
-    }
-    const Eigen::Vector2d d(x - m_.position.x(), y - m_.position.y());
-    if (by != nullptr) {
-      by->head<6>() = m_.gain * by_shape;
-      by->head<2>() -= m_.slope;
-      (*by)[offset_] = 1;
-      (*by)[gain_] = product;
-      by->segment<2>(slope_) = d;
-    }
-    return m_.offset + m_.slope.dot(d) + m_.gain * product;
-  }
-
- private:
-  /// Adds M(z0, z1) at a place, and its derivatives, with a weight.
-  void add_point(double x, double y, double weight, double& product,
-                 Eigen::Matrix<double, 6, 1>* by_shape) const {
-    const double dx = x - m_.position.x();
-    const double dy = y - m_.position.y();
-    double along[2], across[2], z[2];
-    EdgeProfile::Value e[2];
-    for (int i = 0; i < 2; ++i) {
-      along[i] = t_[i].x() * dx + t_[i].y() * dy;
-      across[i] = n_[i].x() * dx + n_[i].y() * dy;
-      z[i] = (across[i] + m_.curvature[i] * along[i] * along[i]) * inverse_sigma_[i];
-      e[i] = EdgeProfile::at(z[i]);
-    }
-    const double both = weight * e[0].slope * e[1].slope;
-    const double q0 = z[0] * z[0] - 1;
-    const double q1 = z[1] * z[1] - 1;
-    const double r2 = rho_ * rho_;
-    const double terms = rho_ + r2 * z[0] * z[1] / 2 + r2 * rho_ * q0 * q1 / 6;
-    product += weight * e[0].value * e[1].value + both * terms;
-    if (by_shape == nullptr || (e[0].slope == 0 && e[1].slope == 0)) return;
-    const double by_z[2] = {
-        weight * e[0].slope * e[1].value + both * (r2 * z[1] / 2 + r2 * rho_ * z[0] * q1 / 3 - z[0] * terms),
-        weight * e[1].slope * e[0].value + both * (r2 * z[0] / 2 + r2 * rho_ * z[1] * q0 / 3 - z[1] * terms)};
-    const double by_rho = both * (1 + rho_ * z[0] * z[1] + r2 * q0 * q1 / 2);
-    for (int i = 0; i < 2; ++i) {
-      const double bend = 2 * m_.curvature[i] * along[i];
-      const double scaled = by_z[i] * inverse_sigma_[i];
-      (*by_shape)[0] -= scaled * (n_[i].x() + bend * t_[i].x());
-      (*by_shape)[1] -= scaled * (n_[i].y() + bend * t_[i].y());
-      (*by_shape)[2 + i] +=
-          scaled * (bend * across[i] - along[i]) + (i == 0 ? rho_slope_ : -rho_slope_) * by_rho;
-      (*by_shape)[4 + i] -= by_z[i] * z[i];
-    }
-  }
-
-  const SaddleModel& m_;
-  Eigen::Vector2d t_[2];
-  Eigen::Vector2d n_[2];
-  double inverse_sigma_[2];
-  double rho_;
-  double rho_slope_;  ///< by the first angle; by the second its negative
 };
 
 class SaddleProblem : public DenseNormalEquations {
@@ -108,7 +40,7 @@ class SaddleProblem : public DenseNormalEquations {
   /// An accepted step was judged by `cost` just before: its normal equations are there already.
   double linearize(const SaddleModel& model) {
     if (!judged_ || !(*judged_ == model)) cost(model);
-    H = h_.selfadjointView<Eigen::Lower>();
+    H = h_;
     g = gradient_;
     return total_;
   }
@@ -117,21 +49,46 @@ class SaddleProblem : public DenseNormalEquations {
     judged_ = model;
     total_ = std::numeric_limits<double>::infinity();
     if (std::abs(model.log_sigma[0]) > 4 || std::abs(model.log_sigma[1]) > 4) return total_;
-    const Evaluator evaluator(model);
-    h_.setZero();
-    gradient_.setZero();
-    total_ = 0;
-    Row row;
+    const SaddleEvaluator evaluator(model);
+    Sums<CrossRow> cross;
+    Sums<EdgeRow> edge[2];
+    Sums<Eigen::Vector4f> flat;  // offset, gain, slope
+    squares_ = 0;
     for (const PatchPixel& pixel : pixels_) {
-      const double r = evaluator.grey(pixel.x, pixel.y, &row) - pixel.grey;
-      for (int i = 0; i < size; ++i) h_.col(i).tail(size - i) += row[i] * row.tail(size - i);
-      gradient_ += r * row;
-      total_ += 0.5 * r * r;
+      const SeenSaddle seen = evaluator.see(pixel.x, pixel.y);
+      const double r = evaluator.grey(seen, pixel.x, pixel.y) - pixel.grey;
+      squares_ += r * r;
+      if (seen.edge[0] && seen.edge[1]) {
+        CrossRow row;
+        evaluator.common_row(seen, pixel.x, pixel.y, row);
+        for (int i = 0; i < 2; ++i) evaluator.edge_row(seen, i, angle_ + i * per_edge, row);
+        cross.add(row, r);
+      } else if (seen.edge[0] || seen.edge[1]) {
+        const int i = seen.edge[0] ? 0 : 1;
+        EdgeRow row;
+        evaluator.common_row(seen, pixel.x, pixel.y, row);
+        evaluator.edge_row(seen, i, angle_, row);
+        edge[i].add(row, r);
+      } else {
+        const Eigen::Vector2d at = Eigen::Vector2d(pixel.x, pixel.y) - model.light_origin;
+        flat.add(Eigen::Vector4d(1, seen.product, at.x(), at.y()).cast<float>(), r);
+      }
     }
-    const Eigen::Vector2d off = model.slope - prior_.mean;
-    h_.diagonal().segment<2>(slope_).array() += prior_.weight;
-    gradient_.segment<2>(slope_) += prior_.weight * off;
-    total_ += 0.5 * prior_.weight * off.squaredNorm();
+    h_ = cross.h.cast<double>();
+    gradient_ = cross.g;
+    h_.block<4, 4>(offset_, offset_) += flat.h.cast<double>();
+    gradient_.segment<4>(offset_) += flat.g;
+    for (int i = 0; i < 2; ++i) {
+      const int at = angle_ + i * per_edge;
+      const Eigen::Matrix<double, common + per_edge, common + per_edge> h = edge[i].h.cast<double>();
+      h_.topLeftCorner<common, common>() += h.topLeftCorner<common, common>();
+      h_.block<per_edge, per_edge>(at, at) += h.bottomRightCorner<per_edge, per_edge>();
+      h_.block<per_edge, common>(at, 0) += h.bottomLeftCorner<per_edge, common>();
+      h_.block<common, per_edge>(0, at) += h.topRightCorner<common, per_edge>();
+      gradient_.head<common>() += edge[i].g.head<common>();
+      gradient_.segment<per_edge>(at) += edge[i].g.tail<per_edge>();
+    }
+    add_priors(model);
     return total_;
   }
 
@@ -139,8 +96,8 @@ class SaddleProblem : public DenseNormalEquations {
     SaddleModel next = model;
     next.position += step.head<2>();
     for (int i = 0; i < 2; ++i) {
-      next.angle[i] += step[angle_ + i];
-      next.log_sigma[i] += step[log_sigma_ + i];
+      next.angle[i] += step[angle_ + i * per_edge];
+      next.log_sigma[i] += step[log_sigma_ + i * per_edge];
     }
     next.offset += step[offset_];
     next.gain += step[gain_];
@@ -148,24 +105,40 @@ class SaddleProblem : public DenseNormalEquations {
     return next;
   }
 
+  /// Of the residuals at the model judged last, grey^2.
+  double squares() const { return squares_; }
+
  private:
+  void add_priors(const SaddleModel& model) {
+    total_ = 0.5 * squares_;
+    const Eigen::Vector2d off = model.slope - prior_.mean;
+    h_.diagonal().segment<2>(slope_).array() += prior_.weight;
+    gradient_.segment<2>(slope_) += prior_.weight * off;
+    total_ += 0.5 * prior_.weight * off.squaredNorm();
+    for (int i = 0; i < 2; ++i) {
+      const int at = log_sigma_ + i * per_edge;
+      const double apart = model.log_sigma[i] - usual_log_sigma;
+      h_(at, at) += log_sigma_weight;
+      gradient_[at] += log_sigma_weight * apart;
+      total_ += 0.5 * log_sigma_weight * apart * apart;
+    }
+  }
+
   std::span<const PatchPixel> pixels_;
   SlopePrior prior_;
   std::optional<SaddleModel> judged_;
-  Eigen::Matrix<double, size, size> h_;  ///< lower half, at judged_
-  Row gradient_;
+  Eigen::Matrix<double, size, size> h_;  ///< at judged_
+  Eigen::Matrix<double, size, 1> gradient_;
   double total_ = 0;
+  double squares_ = 0;
 };
 
 /// Offset and gain that suit the pixels best with the rest as it is.
 bool set_light(std::span<const PatchPixel> pixels, SaddleModel& model) {
-  model.offset = 0;
-  model.gain = 1;
-  model.slope.setZero();
-  const Evaluator evaluator(model);
+  const SaddleEvaluator evaluator(model);
   double s = 0, sp = 0, spp = 0, sg = 0, spg = 0;
   for (const PatchPixel& pixel : pixels) {
-    const double p = evaluator.grey(pixel.x, pixel.y, nullptr);
+    const double p = evaluator.see(pixel.x, pixel.y).product;
     s += 1;
     sp += p;
     spp += p * p;
@@ -182,7 +155,8 @@ bool set_light(std::span<const PatchPixel> pixels, SaddleModel& model) {
 }  // namespace
 
 double model_grey(const SaddleModel& model, double x, double y) {
-  return Evaluator(model).grey(x, y, nullptr);
+  const SaddleEvaluator evaluator(model);
+  return evaluator.grey(evaluator.see(x, y), x, y);
 }
 
 std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
@@ -191,6 +165,7 @@ std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const Sa
   SaddleModel model = start;
   if (!set_light(pixels, model)) return std::nullopt;
   model.slope = prior.mean;
+  model.light_origin = start.position;
   SaddleProblem problem(pixels, prior);
   LmOptions options;
   options.max_iterations = 20;
@@ -211,7 +186,7 @@ std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const Sa
   fit.information = coupled - cross.transpose() * nuisance.solve(cross);
   fit.slope_variance =
       0.5 * H.ldlt().solve(Eigen::Matrix<double, size, size>::Identity()).diagonal().segment<2>(slope_).sum();
-  fit.rms = std::sqrt(2 * report.cost / static_cast<double>(pixels.size() - size));
+  fit.rms = std::sqrt(problem.squares() / static_cast<double>(pixels.size() - size));
   fit.pixels = static_cast<int>(pixels.size());
   return fit;
 }

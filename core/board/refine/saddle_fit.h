@@ -15,12 +15,13 @@ struct PatchPixel {
   double grey;  ///< 0..255
 };
 
-/// Two crossing edges under a Gaussian blur:
-///   grey(x) = offset + slope . d + gain M(z0, z1),  d = x - position,
-///   z_i = (n_i . d + curvature_i (t_i . d)^2) / sigma_i,  t_i = (cos angle_i, sin angle_i),  n_i = its left,
-/// averaged over the pixel's area. M is E(z0) E(z1) with E(z) = erf(z / sqrt 2) when the edges are square to
-/// each other; otherwise the blur across the one is correlated with that across the other by rho = n_0 . n_1,
-/// and Mehler's expansion of the bivariate normal adds
+/// Two crossing edges under a Gaussian blur, as pixels see them:
+///   grey(x) = offset + slope . (x - light_origin) + gain M(c0, c1),  d = x - position,
+///   c_i = n_i . d + curvature_i (t_i . d)^2,  t_i = (cos angle_i, sin angle_i),  n_i = its left.
+/// M is P(c0) P(c1) with P the profile of an edge averaged over the pixel's square (PixelEdge) when the edges
+/// are square to each other; otherwise the blur across the one is correlated with that across the other by
+/// rho = n_0 . n_1, and Mehler's expansion of the bivariate normal adds, with z_i = c_i / (sigma of blur and
+/// pixel) and E(z) = erf(z / sqrt 2),
 ///   E'(z0) E'(z1) (rho + rho^2 z0 z1 / 2 + rho^3 (z0^2 - 1)(z1^2 - 1) / 6).
 /// The lines of a chessboard stay lines under perspective, so that no homography is needed; a lens bends
 /// them, and how much is known better from the neighbouring corners than from the patch (where it would cost
@@ -34,7 +35,8 @@ struct SaddleModel {
   double gain = 0;                                  ///< grey
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< grey/px
   double curvature[2] = {0, 0};                     ///< 1/px
-  int points_per_pixel = 4;  ///< 4 integrate over the pixel's area; 1 is enough under a blur beyond 1.2 px
+  Eigen::Vector2d light_origin = Eigen::Vector2d::Zero();  ///< px, where the slope is nought
+  bool sharp = false;  ///< the pixel's square exactly (PixelEdge): needed below PixelEdge::sharp_sigma
 
   bool operator==(const SaddleModel&) const = default;
 };
