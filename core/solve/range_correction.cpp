@@ -105,7 +105,7 @@ struct Probable {
 /// The most probable offsets. The priors' sizes are those under which the data is most probable (zero among
 /// them): what chance explains is left alone, and a pattern that the data hardly shows is not blown up.
 Probable most_probable(const Offsets& problem) {
-  static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032};  // m
+  static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016};  // m
   const Eigen::Index rest = problem.S.rows() - problem.split;
   Probable best{Eigen::VectorXd::Zero(problem.S.rows()), 0};
   double best_evidence = 0;  // of no offsets at all

@@ -35,7 +35,7 @@ struct CorrectionPatch {
 };
 
 /// Estimates both parts together with a plane per patch (eliminated), by regularised least squares: a laser's
-/// offset is held to zero with a standard deviation of 15 mm. Empty where the residuals give no reason for
+/// offset is held to zero with a standard deviation of 16 mm at most. Empty where the residuals give no reason for
 /// it: chance alone explains them, or rings and intensities are not known. `sigma`: noise of one return, m;
 /// `gate`: m.
 RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patches, double sigma,
