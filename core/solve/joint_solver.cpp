@@ -7,8 +7,8 @@
 
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/scaled_inverse.h"
-#include "core/solve/board_rays.h"
 #include "core/solve/corner_noise.h"
+#include "core/solve/lidar_returns.h"
 #include "core/solve/view_use.h"
 
 namespace ca2 {
@@ -35,7 +35,6 @@ class Solver {
     answer_.outline_offset.assign(lidars_, std::numeric_limits<double>::quiet_NaN());
     input_.prior_dilation = dilation_sigma;
     outlines_.assign(views.size(), board.extent());
-    correction_.resize(lidars_);
     answer_.corner_scale.assign(cameras.size(), 1);
     neighbours_ = neighbouring_corners(input_.board_corners, 1.2 * board.square);
     state_.T_ref_camera = seed.T_ref_camera;
@@ -43,6 +42,11 @@ class Solver {
     state_.cameras = cameras;
     state_.range_bias = state_.range_slope = state_.dilation = std::vector<double>(lidars_, 0);
     state_.T_ref_board.resize(views.size());
+    for (std::size_t l = 0; l < lidars_; ++l) {
+      std::vector<int> chosen;
+      for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
+      returns_.emplace_back(views, l, chosen);
+    }
     corners_.resize(views.size());
     const int count = static_cast<int>(input_.board_corners.size());
     for (std::size_t v = 0; v < views.size(); ++v) {
@@ -123,53 +127,21 @@ class Solver {
 
   /// The sums of one LiDAR's returns in every view in use.
   void prepare_ranges(std::size_t l, Returns returns) {
-    std::vector<std::vector<BoardReturn>> inside(active_.size());
-    std::vector<CorrectionPatch> patches;
+    std::vector<PlacedBoard> boards;
+    std::vector<std::size_t> places;
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];
-      if (answer_.chosen[v][l] < 0) continue;
-      const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
+      if (!returns_[l].sees(v)) continue;
       if (returns == Returns::as_found) {
-        RangeSums sums;
-        fit_plane_along_rays(sight.on_board, sight.plane, std::max(5 * sight.rms, 0.005), &sums);
-        input_.views[i].ranges[l] = sums;
-        continue;
+        input_.views[i].ranges[l] = returns_[l].as_found(v);
+      } else {
+        boards.push_back({v, outlines_[v], T_lidar_board(v, l)});
+        places.push_back(i);
       }
-      const Pose pose = T_lidar_board(v, l);
-      inside[i] = returns_through_board(sight, outlines_[v], pose, margin(pose));
-      relate_to_white(inside[i]);
-      if (inside[i].size() < 10) continue;
-      const double gate = this->gate(v, l);
-      patches.push_back(
-          {inside[i], fit_plane_along_rays(inside[i], board_plane(pose), gate, nullptr, correction_[l])});
     }
-    input_.prior_range_slope[l] = 0;
-    if (returns == Returns::as_found) return;
-    correction_[l] =
-        estimate_range_correction(patches, answer_.range_sigma[l], 0.01 + 5 * answer_.range_sigma[l]);
-    input_.prior_range_slope[l] = correction_[l].slope_sigma;
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      if (inside[i].empty()) continue;
-      const Eigen::Vector3d reference = inverse_plane(board_plane(T_lidar_board(active_[i], l)));
-      const RangeSums sums =
-          range_sums(inside[i], reference, state_.range_bias[l], gate(active_[i], l), correction_[l]);
-      if (sums.weight >= 4) input_.views[i].ranges[l] = sums;
-    }
-  }
-
-  /// Returns further than this from a view's predicted plane are not of the board, m.
-  double gate(std::size_t v, std::size_t l) const {
-    return 0.01 + 4.5 * answer_.range_sigma[l] + view_slack(v, l);
-  }
-
-  /// A beam is a few milliradians wide: nearer to the rim than this it sees past the board.
-  static double margin(const Pose& T_lidar_board) { return 0.004 + 0.003 * T_lidar_board.t.norm(); }
-
-  /// How far a view's plane may lie from the prediction beyond the returns' noise, m.
-  double view_slack(std::size_t v, std::size_t l) const {
-    const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
-    const Plane predicted = board_plane(T_lidar_board(v, l));
-    return std::min(0.05, std::abs(predicted.distance(sight.center)));
+    const auto sums = returns_[l].by_ray(boards, {state_.range_bias[l], answer_.range_sigma[l]});
+    for (std::size_t k = 0; k < boards.size(); ++k) input_.views[places[k]].ranges[l] = sums[k];
+    input_.prior_range_slope[l] = returns_[l].slope_sigma();
   }
 
   /// The state of the views in use only, as JointProblem indexes them; and back.
@@ -428,8 +400,8 @@ class Solver {
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
   double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used
-  std::vector<Outline> outlines_;            ///< by view: about a pattern whose ids may start at either end
-  std::vector<RangeCorrection> correction_;  ///< by LiDAR
+  std::vector<Outline> outlines_;      ///< by view: about a pattern whose ids may start at either end
+  std::vector<LidarReturns> returns_;  ///< by LiDAR
   JointInput input_;
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled

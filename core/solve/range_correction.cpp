@@ -3,83 +3,49 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-
-#include "core/solve/range_sums.h"
+#include <utility>
 
 namespace ca2 {
 namespace {
 
-constexpr std::size_t intensity_bins = 8;
-constexpr std::size_t max_rings = 256;
+constexpr int intensity_bins = 8;
+constexpr int max_rings = 256;
 
-/// Which unknowns there are: rings first, then intensity bins.
-struct Layout {
-  std::size_t rings = 0;
-  std::vector<float> edges;
-
-  std::size_t size() const { return rings + (edges.empty() ? 0 : edges.size() + 1); }
-  std::size_t bin(float intensity) const {
-    return static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), intensity) - edges.begin());
-  }
-};
-
-Layout lay_out(std::span<const CorrectionPatch> patches) {
-  Layout layout;
-  std::vector<float> intensities;
-  bool rings_known = true;
-  for (const CorrectionPatch& patch : patches) {
-    for (const BoardReturn& here : patch.returns) {
-      if (here.ring == BoardReturn::no_ring || here.ring >= max_rings)
-        rings_known = false;
-      else
-        layout.rings = std::max<std::size_t>(layout.rings, here.ring + 1u);
-      if (std::isfinite(here.intensity)) intensities.push_back(here.intensity);
-    }
-  }
-  if (!rings_known) layout.rings = 0;
-  if (intensities.size() < 20 * intensity_bins) return layout;
-  std::sort(intensities.begin(), intensities.end());
-  for (std::size_t i = 1; i < intensity_bins; ++i) {
-    const float edge = intensities[i * intensities.size() / intensity_bins];
-    if (edge > intensities.front() && (layout.edges.empty() || edge > layout.edges.back()))
-      layout.edges.push_back(edge);
-  }
-  return layout;
-}
-
-/// How the returns lie over the rings.
+/// How the returns lie over the rings that were seen.
 struct RingUse {
+  std::vector<int> rings;
   Eigen::VectorXd counts;
   Eigen::VectorXd sine;  ///< of each ring's elevation, less their mean over the returns
 };
 
-RingUse use_of_rings(const Layout& layout, std::span<const CorrectionPatch> patches) {
-  const auto rings = static_cast<Eigen::Index>(layout.rings);
-  RingUse use{Eigen::VectorXd::Zero(rings), Eigen::VectorXd::Zero(rings)};
-  if (rings == 0) return use;
-  for (const CorrectionPatch& patch : patches) {
-    for (const BoardReturn& here : patch.returns) {
-      use.counts(here.ring) += 1;
-      use.sine(here.ring) += static_cast<double>(here.point.z() / here.point.norm());
+RingUse use_of_rings(const RangeClasses& classes, std::span<const CorrectionEvidence> boards) {
+  Eigen::VectorXd counts = Eigen::VectorXd::Zero(classes.rings);
+  Eigen::VectorXd sine = Eigen::VectorXd::Zero(classes.rings);
+  for (const CorrectionEvidence& board : boards) {
+    for (const ClassSums& one : board.classes) {
+      if (one.ring < 0 || classes.rings == 0) continue;
+      counts(one.ring) += one.count;
+      sine(one.ring) -= one.J(3);
     }
   }
-  use.sine.array() /= use.counts.array().max(1);
+  RingUse use;
+  for (int ring = 0; ring < classes.rings; ++ring) {
+    if (counts(ring) > 0) use.rings.push_back(ring);
+  }
+  use.counts = counts(use.rings);
+  use.sine = Eigen::VectorXd(sine(use.rings)).cwiseQuotient(use.counts);
   use.sine.array() -= use.sine.dot(use.counts) / std::max(1.0, use.counts.sum());
   return use;
 }
 
 /// Offsets that are the same for all rings, or grow with the elevation, would move or tilt every board alike:
-/// to tell them from a turn of the LiDAR is the extrinsics' business. An orthonormal basis [rings x fewer] of
-/// the others.
-Eigen::MatrixXd free_ring_patterns(const RingUse& use) {
-  const Eigen::Index rings = use.counts.size();
-  if (rings == 0) return Eigen::MatrixXd(0, 0);
-  Eigen::MatrixXd held(rings, 2);
+/// to tell them from a turn of the LiDAR is the extrinsics' business. The first columns of Q, as many as its
+/// rank, span them; the others are free.
+Eigen::ColPivHouseholderQR<Eigen::MatrixXd> held_ring_patterns(const RingUse& use) {
+  Eigen::MatrixXd held(use.counts.size(), 2);
   held.col(0) = use.counts;
   held.col(1) = use.counts.cwiseProduct(use.sine);
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(held);
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(rings, rings);
-  return Q.rightCols(rings - qr.rank());
+  return Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(held);
 }
 
 /// What independent offsets of unit size have as slope over the elevation: its standard deviation.
@@ -102,36 +68,75 @@ struct Probable {
   double first_size = 0;  ///< of the first prior, m
 };
 
+/// f^2 S + I with S tridiagonal, factored as LDL'.
+class Tridiagonal {
+ public:
+  Tridiagonal(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& beside, double f)
+      : d_(f * f * diagonal), l_(f * f * beside) {
+    for (Eigen::Index i = 0; i < d_.size(); ++i) {
+      d_(i) += 1;
+      if (i == 0) continue;
+      const double above = l_(i - 1);
+      l_(i - 1) /= d_(i - 1);
+      d_(i) -= l_(i - 1) * above;
+    }
+  }
+  double log_determinant() const { return d_.array().log().sum(); }
+  Eigen::MatrixXd solve(Eigen::MatrixXd x) const {
+    for (Eigen::Index i = 1; i < d_.size(); ++i) x.row(i) -= l_(i - 1) * x.row(i - 1);
+    x.array().colwise() /= d_.array();
+    for (Eigen::Index i = d_.size() - 1; i-- > 0;) x.row(i) -= l_(i) * x.row(i + 1);
+    return x;
+  }
+
+ private:
+  Eigen::VectorXd d_, l_;
+};
+
 /// The most probable offsets. The priors' sizes are those under which the data is most probable (zero among
-/// them): what chance explains is left alone, and a pattern that the data hardly shows is not blown up.
+/// them): what chance explains is left alone, and a pattern that the data hardly shows is not blown up. The
+/// first unknowns are made tridiagonal once, and for every pair of sizes only the others are solved for.
 Probable most_probable(const Offsets& problem) {
   static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016};  // m
-  const Eigen::Index rest = problem.S.rows() - problem.split;
+  const Eigen::Index many = problem.split, few = problem.S.rows() - many;
+  Eigen::VectorXd diagonal, beside;
+  Eigen::MatrixXd turned(many, few + 1);  // Q' (S12, g1)
+  turned << problem.S.topRightCorner(many, few), problem.g.head(many);
+  std::optional<Eigen::Tridiagonalization<Eigen::MatrixXd>> shape;
+  if (many > 1) {
+    shape.emplace(problem.S.topLeftCorner(many, many));
+    diagonal = shape->diagonal();
+    beside = shape->subDiagonal();
+    turned.applyOnTheLeft(shape->matrixQ().adjoint());
+  } else {
+    diagonal = problem.S.diagonal().head(many);
+  }
+  const Eigen::MatrixXd S22 = problem.S.bottomRightCorner(few, few);
   Probable best{Eigen::VectorXd::Zero(problem.S.rows()), 0};
   double best_evidence = 0;  // of no offsets at all
   for (const double first : sizes) {
-    if (first > 0 && problem.split == 0) break;
+    if (first > 0 && many == 0) break;
+    const Tridiagonal factor(diagonal, beside, first);
+    const Eigen::MatrixXd K = first * first * turned.transpose() * factor.solve(turned);
+    const double base = 0.5 * K(few, few) - 0.5 * factor.log_determinant();
     for (const double second : sizes) {
-      if (second > 0 && rest == 0) break;
-      const Eigen::Index begin = first > 0 ? 0 : problem.split;
-      const Eigen::Index count = (first > 0 ? problem.split : 0) + (second > 0 ? rest : 0);
-      if (count == 0) continue;
-      Eigen::VectorXd size = Eigen::VectorXd::Constant(count, second);
-      if (first > 0) size.head(problem.split).setConstant(first);
-      const Eigen::MatrixXd scaled =
-          size.asDiagonal() * problem.S.block(begin, begin, count, count) * size.asDiagonal();
-      const Eigen::LLT<Eigen::MatrixXd> llt(scaled + Eigen::MatrixXd::Identity(count, count));
+      if (second > 0 && few == 0) break;
+      const Eigen::MatrixXd C =
+          Eigen::MatrixXd::Identity(few, few) + second * second * (S22 - K.topLeftCorner(few, few));
+      const Eigen::LLT<Eigen::MatrixXd> llt(C);
       if (llt.info() != Eigen::Success) continue;
-      const Eigen::VectorXd g = size.cwiseProduct(problem.g.segment(begin, count));
+      const Eigen::VectorXd g = second * (problem.g.tail(few) - K.topRightCorner(few, 1));
       const Eigen::VectorXd x = llt.solve(g);
-      const double log_determinant = 2 * llt.matrixLLT().diagonal().array().log().sum();
-      const double evidence = 0.5 * g.dot(x) - 0.5 * log_determinant;
+      const double evidence = base + 0.5 * g.dot(x) - llt.matrixLLT().diagonal().array().log().sum();
       // A doubling of the odds per size tried is not evidence.
       if (!(evidence > best_evidence + 3)) continue;
       best_evidence = evidence;
-      best.offsets.setZero();
-      best.offsets.segment(begin, count) = size.cwiseProduct(x);
       best.first_size = first;
+      best.offsets.tail(few) = second * x;
+      Eigen::MatrixXd others =
+          first * first * factor.solve(turned.col(few) - turned.leftCols(few) * best.offsets.tail(few));
+      if (shape) others.applyOnTheLeft(shape->matrixQ());
+      best.offsets.head(many) = others;
     }
   }
   return best;
@@ -139,85 +144,106 @@ Probable most_probable(const Offsets& problem) {
 
 }  // namespace
 
-void relate_to_white(std::vector<BoardReturn>& returns) {
-  std::vector<float> intensities;
-  for (const BoardReturn& here : returns) {
-    if (std::isfinite(here.intensity)) intensities.push_back(here.intensity);
-  }
-  if (intensities.empty()) return;
-  const auto decile = intensities.begin() + static_cast<std::ptrdiff_t>(9 * intensities.size() / 10);
-  std::nth_element(intensities.begin(), decile, intensities.end());
-  const float white = std::max(*decile, 1e-6f);
-  for (BoardReturn& here : returns) here.intensity /= white;
-}
-
-double RangeCorrection::at(const BoardReturn& here) const {
-  double sum = here.ring < by_ring.size() ? by_ring[here.ring] : 0;
-  if (!by_intensity.empty() && std::isfinite(here.intensity)) {
-    const auto bin = std::upper_bound(intensity_edges.begin(), intensity_edges.end(), here.intensity);
-    sum += by_intensity[static_cast<std::size_t>(bin - intensity_edges.begin())];
-  }
+double RangeCorrection::at(int ring, int bin) const {
+  double sum = 0;
+  if (ring >= 0 && static_cast<std::size_t>(ring) < by_ring.size())
+    sum += by_ring[static_cast<std::size_t>(ring)];
+  if (bin >= 0 && static_cast<std::size_t>(bin) < by_bin.size()) sum += by_bin[static_cast<std::size_t>(bin)];
   return sum;
 }
 
-RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patches, double sigma,
-                                          double gate) {
-  const Layout layout = lay_out(patches);
-  const auto size = static_cast<Eigen::Index>(layout.size());
-  if (size == 0) return {};
-  // Normal equations of the residuals (range - predicted) = correction + plane, the planes eliminated patch
-  // by patch.
+double RangeCorrection::largest() const {
+  double ring = 0, bin = 0;
+  for (const double one : by_ring) ring = std::max(ring, std::abs(one));
+  for (const double one : by_bin) bin = std::max(bin, std::abs(one));
+  return ring + bin;
+}
+
+int RangeClasses::bin(float brightness) const {
+  if (edges.empty() || !std::isfinite(brightness)) return -1;
+  return static_cast<int>(std::upper_bound(edges.begin(), edges.end(), brightness) - edges.begin());
+}
+
+RangeClasses lay_out(ClassRange range) {
+  RangeClasses classes;
+  if (range.highest_ring && *range.highest_ring < max_rings) classes.rings = *range.highest_ring + 1;
+  std::vector<float>& all = range.brightness;
+  if (all.size() < 20 * intensity_bins) return classes;
+  const float darkest = *std::min_element(all.begin(), all.end());
+  auto from = all.begin();
+  for (std::size_t i = 1; i < intensity_bins; ++i) {
+    const auto place = all.begin() + static_cast<std::ptrdiff_t>(i * all.size() / intensity_bins);
+    std::nth_element(from, place, all.end());
+    from = place;
+    if (*place > darkest && (classes.edges.empty() || *place > classes.edges.back()))
+      classes.edges.push_back(*place);
+  }
+  return classes;
+}
+
+RangeCorrection estimate_range_correction(const RangeClasses& classes,
+                                          std::span<const CorrectionEvidence> boards, double sigma) {
+  if (classes.rings + classes.bins() == 0) return {};
+  const RingUse use = use_of_rings(classes, boards);
+  const auto rings = static_cast<Eigen::Index>(use.rings.size());
+  const Eigen::Index size = rings + classes.bins();
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(classes.rings), -1);
+  for (std::size_t i = 0; i < use.rings.size(); ++i)
+    place[static_cast<std::size_t>(use.rings[i])] = static_cast<Eigen::Index>(i);
+  // Normal equations of the residuals (range - predicted) = correction + plane, the planes eliminated board
+  // by board.
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
   Eigen::VectorXd g = Eigen::VectorXd::Zero(size);
   Eigen::VectorXd counts = Eigen::VectorXd::Zero(size);
+  Eigen::Matrix3Xd Hqa(3, size);
+  std::vector<Eigen::Index> touched;
   double total = 0;
-  for (const CorrectionPatch& patch : patches) {
-    const Eigen::Vector3d q = inverse_plane(patch.plane);
-    Eigen::Matrix3d Hqq = Eigen::Matrix3d::Zero();
-    Eigen::Matrix<double, 3, Eigen::Dynamic> Hqa = Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, size);
-    Eigen::Vector3d gq = Eigen::Vector3d::Zero();
-    for (const BoardReturn& here : patch.returns) {
-      const Eigen::Vector3d p = here.point.cast<double>();
-      const double range = p.norm();
-      const double inverse = p.dot(q) / range;
-      if (!(inverse > 1e-6)) continue;
-      const double predicted = 1 / inverse;
-      const double residual = range - predicted;
-      if (!(std::abs(residual) <= gate)) continue;
-      const Eigen::Vector3d by_plane = -predicted * predicted / range * p;  // of the predicted range
-      Hqq.noalias() += by_plane * by_plane.transpose();
-      gq += residual * by_plane;
-      Eigen::Index touched[2];
-      int count = 0;
-      if (layout.rings > 0) touched[count++] = here.ring;
-      if (!layout.edges.empty() && std::isfinite(here.intensity)) {
-        touched[count++] = static_cast<Eigen::Index>(layout.rings + layout.bin(here.intensity));
+  for (const CorrectionEvidence& board : boards) {
+    Hqa.setZero();
+    touched.clear();
+    for (const ClassSums& one : board.classes) {
+      if (one.count == 0) continue;
+      total += one.count;
+      Eigen::Index at[2];
+      int unknowns = 0;
+      if (one.ring >= 0) at[unknowns++] = place[static_cast<std::size_t>(one.ring)];
+      if (one.bin >= 0) at[unknowns++] = rings + one.bin;
+      for (int i = 0; i < unknowns; ++i) {
+        if (Hqa.col(at[i]).isZero(0)) touched.push_back(at[i]);
+        Hqa.col(at[i]) -= one.J.head<3>();
+        g(at[i]) += one.r;
+        counts(at[i]) += one.count;
+        for (int k = 0; k < unknowns; ++k) H(at[i], at[k]) += one.count;
       }
-      for (int i = 0; i < count; ++i) {
-        Hqa.col(touched[i]) += by_plane;
-        g(touched[i]) += residual;
-        counts(touched[i]) += 1;
-        for (int k = 0; k < count; ++k) H(touched[i], touched[k]) += 1;
-      }
-      total += 1;
     }
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(Hqq);
+    const Eigen::LDLT<Eigen::Matrix3d> ldlt(board.JJ.topLeftCorner<3, 3>());
     if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) continue;
-    H.noalias() -= Hqa.transpose() * ldlt.solve(Hqa);
-    g.noalias() -= Hqa.transpose() * ldlt.solve(gq);
+    const Eigen::Vector3d by_plane = ldlt.solve(-board.rJ.head<3>());
+    for (const Eigen::Index i : touched) {
+      const Eigen::Vector3d solved = ldlt.solve(Hqa.col(i));
+      g(i) -= Hqa.col(i).dot(by_plane);
+      for (const Eigen::Index k : touched) H(k, i) -= Hqa.col(k).dot(solved);
+    }
   }
-  if (total < 4 * static_cast<double>(size)) return {};
-  const auto rings = static_cast<Eigen::Index>(layout.rings);
-  const RingUse use = use_of_rings(layout, patches);
-  const Eigen::MatrixXd patterns = free_ring_patterns(use);
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(size, patterns.cols() + size - rings);
-  basis.topLeftCorner(rings, patterns.cols()) = patterns;
-  basis.bottomRightCorner(size - rings, size - rings).setIdentity();
-  const double information = 1 / (sigma * sigma);
-  const Probable probable = most_probable(
-      {information * basis.transpose() * H * basis, information * basis.transpose() * g, patterns.cols()});
-  const Eigen::VectorXd offsets = basis * probable.offsets;
+  if (total < 4 * static_cast<double>(classes.rings + classes.bins())) return {};
+  Offsets problem{H / (sigma * sigma), g / (sigma * sigma), rings};
+  std::optional<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>> held;
+  Eigen::Index rank = 0;
+  if (rings > 0) {
+    held.emplace(held_ring_patterns(use));
+    rank = held->rank();
+    const auto Q = held->householderQ();
+    problem.S.topRows(rings).applyOnTheLeft(Q.adjoint());
+    problem.S.leftCols(rings).applyOnTheRight(Q);
+    problem.g.head(rings).applyOnTheLeft(Q.adjoint());
+    problem = {problem.S.bottomRightCorner(size - rank, size - rank).eval(),
+               problem.g.tail(size - rank).eval(), rings - rank};
+  }
+  const Probable probable = most_probable(problem);
+  Eigen::VectorXd offsets = Eigen::VectorXd::Zero(size);
+  offsets.tail(size - rank) = probable.offsets;
   if (offsets.isZero()) return {};
+  if (held) offsets.head(rings).applyOnTheLeft(held->householderQ());
   RangeCorrection correction;
   correction.slope_sigma = probable.first_size * slope_of_unit_offsets(use);
   const auto centred = [&](Eigen::Index first, Eigen::Index count) {
@@ -228,11 +254,13 @@ RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patch
       values.push_back(counts(i) > 0 ? offsets(i) - mean : 0);
     return values;
   };
-  if (rings > 0) correction.by_ring = centred(0, rings);
-  if (size > rings) {
-    correction.intensity_edges = layout.edges;
-    correction.by_intensity = centred(rings, size - rings);
+  if (rings > 0) {
+    const std::vector<double> seen = centred(0, rings);
+    correction.by_ring.resize(static_cast<std::size_t>(classes.rings), 0);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      correction.by_ring[static_cast<std::size_t>(use.rings[i])] = seen[i];
   }
+  if (size > rings) correction.by_bin = centred(rings, size - rings);
   return correction;
 }
 

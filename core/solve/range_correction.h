@@ -1,10 +1,11 @@
 /// @file What a LiDAR's ranges are off by, ring by ring and with the brightness of what they hit.
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
-
-#include "core/features/sights.h"
 
 namespace ca2 {
 
@@ -13,32 +14,60 @@ namespace ca2 {
 /// dark print is measured farther away than white paper. Left alone they bend every board and pull the answer
 /// by far more than the noise.
 struct RangeCorrection {
-  std::vector<double> by_ring;         ///< measured minus true
-  std::vector<float> intensity_edges;  ///< rising; bin i holds intensities from edge i - 1 to edge i
-  std::vector<double> by_intensity;    ///< one more than edges, or empty
+  std::vector<double> by_ring;  ///< measured minus true
+  std::vector<double> by_bin;   ///< of RangeClasses
   /// The lasers' offsets have no part in `by_ring` that grows with the elevation: it would tilt every board
   /// alike, and only the rest of the calibration can tell it. By their spread it has this standard deviation,
   /// m per sine of the elevation; 0 where the lasers show no offsets.
   double slope_sigma = 0;
 
-  double at(const BoardReturn& here) const;
+  /// Of a class of returns; -1: ring or bin not known.
+  double at(int ring, int bin) const;
+  /// The largest there is.
+  double largest() const;
 };
 
-/// Divides the intensities of one board's returns by their highest decile: 1 is then the white of the paper,
-/// whatever the distance and the incidence. Offsets by raw intensity would be offsets by distance.
-void relate_to_white(std::vector<BoardReturn>& returns);
+/// What returns are told apart by: their rings and, in bins, the brightness of what they hit.
+struct RangeClasses {
+  int rings = 0;             ///< rings 0 .. rings - 1; 0: not told apart
+  std::vector<float> edges;  ///< rising, of the brightness; bin i lies from edge i - 1 to edge i
 
-/// The returns of one board, for the estimate; intensities related to white.
-struct CorrectionPatch {
-  std::span<const BoardReturn> returns;
-  Plane plane;  ///< near the best fit
+  int bins() const { return edges.empty() ? 0 : static_cast<int>(edges.size()) + 1; }
+  /// -1 where there are no bins, or the brightness is not known (NaN).
+  int bin(float brightness) const;
 };
 
-/// Estimates both parts together with a plane per patch (eliminated), by regularised least squares: a laser's
-/// offset is held to zero with a standard deviation of 16 mm at most. Empty where the residuals give no reason for
-/// it: chance alone explains them, or rings and intensities are not known. `sigma`: noise of one return, m;
-/// `gate`: m.
-RangeCorrection estimate_range_correction(std::span<const CorrectionPatch> patches, double sigma,
-                                          double gate);
+/// What classes are laid out by.
+struct ClassRange {
+  /// Intensities divided by the highest decile of their board: 1 is then the white of the paper, whatever the
+  /// distance and the incidence. Offsets by raw intensity would be offsets by distance.
+  std::vector<float> brightness;
+  std::optional<int> highest_ring = -1;  ///< nothing: some return's is not known
+};
+RangeClasses lay_out(ClassRange range);
+
+/// Sums over returns of one class, whose ranges are therefore off by the same: r is the residual (range less
+/// the predicted range), J its derivative by the plane's inverse and the range slope (see RangeSums).
+struct ClassSums {
+  int ring = -1, bin = -1;  ///< -1: not known
+  double count = 0;
+  double r = 0;  ///< m
+  Eigen::Vector4d J = Eigen::Vector4d::Zero();
+};
+
+/// The returns of one board.
+struct CorrectionEvidence {
+  std::vector<ClassSums> classes;
+  Eigen::Matrix4d JJ = Eigen::Matrix4d::Zero();  ///< sums of J J' and r J over all
+  Eigen::Vector4d rJ = Eigen::Vector4d::Zero();
+  double rr = 0;  ///< sum of r^2
+};
+
+/// Estimates both parts together with a plane per board (eliminated), by regularised least squares: the sizes
+/// of the offsets' priors, 16 mm at most, are those under which the data is most probable. Empty where the
+/// residuals give no reason for it: chance alone explains them, or rings and intensities are not known.
+/// `sigma`: noise of one return, m.
+RangeCorrection estimate_range_correction(const RangeClasses& classes,
+                                          std::span<const CorrectionEvidence> boards, double sigma);
 
 }  // namespace ca2

@@ -43,7 +43,7 @@ RangeSums RangeSums::with_shared_error(double shared, double sigma) const {
 }
 
 RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d& reference, double bias,
-                     double gate, const RangeCorrection& correction) {
+                     double gate) {
   RangeSums sums;
   sums.reference = reference;
   // d/dq of 1/(u.q) is -rho^2 u: in terms of the predicted point p = rho u, -rho p.
@@ -54,33 +54,16 @@ RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d
     const double inverse = p.dot(reference) / range;
     if (!(inverse > 1e-6)) continue;  // the ray does not meet the plane ahead (or the point is not finite)
     const double predicted = 1 / inverse;
-    const double residual = range - correction.at(here) - predicted;
+    const double residual = range - predicted;
     if (!(std::abs(residual - bias) <= gate)) continue;
     Vector5d jacobian;  // of the residual by z
     jacobian << predicted * predicted / range * p, -1, -p.z() / range;
-    H.noalias() += jacobian * jacobian.transpose();
+    H.noalias() += jacobian.lazyProduct(jacobian.transpose());
     sums.gradient += residual * jacobian;
     sums.cost += 0.5 * residual * residual;
     sums.weight += 1;
   }
   return sums;
-}
-
-Plane fit_plane_along_rays(std::span<const BoardReturn> returns, const Plane& plane, double gate,
-                           RangeSums* sums, const RangeCorrection& correction) {
-  Eigen::Vector3d q = inverse_plane(plane);
-  RangeSums current = range_sums(returns, q, 0, gate, correction);
-  for (int i = 0; i < 10; ++i) {
-    const Eigen::LDLT<Eigen::Matrix3d> ldlt(current.H.topLeftCorner<3, 3>());
-    const Eigen::Vector3d step = -ldlt.solve(current.gradient.head<3>());
-    if (current.weight < 3 || ldlt.info() != Eigen::Success || !step.allFinite()) break;
-    q += step;
-    current = range_sums(returns, q, 0, gate, correction);
-    if (step.norm() < 1e-12 * q.norm()) break;
-  }
-  if (sums) *sums = current;
-  const double norm = q.norm();
-  return {-q / norm, 1 / norm};
 }
 
 }  // namespace ca2

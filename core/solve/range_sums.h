@@ -6,7 +6,6 @@
 
 #include "core/features/sights.h"
 #include "core/geometry/plane.h"
-#include "core/solve/range_correction.h"
 
 namespace ca2 {
 
@@ -43,15 +42,9 @@ struct RangeSums {
   double at(const Vector5d& z) const { return cost + gradient.dot(z) + 0.5 * z.dot(H * z); }
 };
 
-/// The sums over `returns`, their ranges corrected, each with weight 1 where its residual to the reference
-/// plane with bias `bias` is within `gate` metres, otherwise 0.
+/// The sums over `returns`, each with weight 1 where its residual to the reference plane with bias `bias` is
+/// within `gate` metres, otherwise 0.
 RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d& reference, double bias,
-                     double gate, const RangeCorrection& correction = {});
-
-/// The plane that fits the ranges best in the least-squares sense, started from `plane`; the residuals are
-/// along the rays. Returns within `gate` of the current plane take part. `sums`, where given, are those at
-/// the answer.
-Plane fit_plane_along_rays(std::span<const BoardReturn> returns, const Plane& plane, double gate,
-                           RangeSums* sums = nullptr, const RangeCorrection& correction = {});
+                     double gate);
 
 }  // namespace ca2

@@ -83,15 +83,6 @@ TEST(RangeSums, ReturnsBeyondTheGateDoNotCount) {
   EXPECT_EQ(range_sums(returns, inverse_plane(plane), 0, 0.05).weight, 48);
 }
 
-TEST(RangeSums, FitFindsThePlaneFromAfar) {
-  std::mt19937_64 rng(4);
-  const auto returns = patch(300, 0, rng);
-  const Plane start{(normal + Eigen::Vector3d(0.05, 0.1, -0.05)).normalized(), 2.6};
-  const Plane fit = fit_plane_along_rays(returns, start, 10);
-  EXPECT_NEAR((fit.normal - normal).norm(), 0, 1e-6);
-  EXPECT_NEAR(fit.offset, 2.5, 1e-6);
-}
-
 /// The information that is left must be that of the noise plus the shared error: in covariances of the fitted
 /// plane they simply add.
 TEST(RangeSums, SharedErrorAddsToThePlanesCovariance) {

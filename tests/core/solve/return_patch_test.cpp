@@ -1,0 +1,125 @@
+/// Returns summed once and for all, but for the few near the rim and the gate, are as good as all of them
+/// summed again.
+#include "core/solve/return_patch.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+
+namespace ca2 {
+namespace {
+
+const Outline outline{0.8, 0.6, {0.01, -0.02}};
+const double margin = 0.01;
+
+Pose board_pose() {
+  Vector6d turn;
+  turn << 0.3, -0.2, 0.5, 0, 0, 0;
+  return Pose{(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(), {3, 0.4, -0.2}}.perturbed(turn);
+}
+
+/// A board at `pose` with noise, dark print that is measured too far and rings that are off, and things
+/// beside and behind it.
+LidarSight sight_of(const Pose& pose, double sigma) {
+  std::mt19937_64 rng(4);
+  std::normal_distribution<double> noise(0, sigma);
+  std::uniform_real_distribution<double> x(-0.6, 0.6), y(-0.45, 0.45), gap(0.05, 1);
+  LidarSight sight;
+  for (int i = 0; i < 4000; ++i) {
+    const Eigen::Vector3d place(x(rng), y(rng), i % 10 == 0 ? gap(rng) : 0);
+    const Eigen::Vector3d p = pose * place;
+    const auto ring = static_cast<std::uint16_t>(std::lround((p.z() / p.norm() + 1) * 60));
+    const bool dark = std::sin(40 * place.x()) * std::sin(40 * place.y()) > 0;
+    const double off = noise(rng) + 0.002 * (ring % 3) + (dark ? 0.004 : 0);
+    auto& list = i % 3 ? sight.on_board : sight.around;
+    list.push_back({((1 + off / p.norm()) * p).cast<float>(), dark ? 20.f : 90.f, ring});
+  }
+  sight.plane = board_plane(pose);
+  return sight;
+}
+
+/// What the sums stand for, of all returns, one by one.
+RangeSums one_by_one(const LidarSight& sight, const Pose& pose, const Eigen::Vector3d& reference, double bias,
+                     double gate, const RangeClasses& classes, float white,
+                     const RangeCorrection& correction) {
+  std::vector<BoardReturn> chosen;
+  const Plane plane = board_plane(pose);
+  for (const auto* list : {&sight.on_board, &sight.around}) {
+    for (const BoardReturn& here : *list) {
+      const Eigen::Vector3d p = here.point.cast<double>();
+      const Eigen::Vector3d place = pose.inverse() * (-plane.offset / plane.normal.dot(p) * p);
+      if (std::abs(place.x() - outline.center.x()) > outline.width / 2 - margin ||
+          std::abs(place.y() - outline.center.y()) > outline.height / 2 - margin) {
+        continue;
+      }
+      const double off = correction.at(here.ring, classes.bin(here.intensity / white));
+      if (std::abs(p.norm() - off - p.norm() / p.dot(inverse_plane(plane)) - bias) > gate) continue;
+      chosen.push_back(here);
+      chosen.back().point *= static_cast<float>((p.norm() - off) / p.norm());
+    }
+  }
+  return range_sums(chosen, reference, 0, 1e9);
+}
+
+class Moves : public testing::TestWithParam<double> {};
+
+TEST_P(Moves, SumsAreThoseOfAllReturns) {
+  const double gate = 0.05, bias = 0.004;
+  const Pose base = board_pose();
+  const LidarSight sight = sight_of(base, 0.008);
+  ReturnPatch patch(sight);
+  patch.aim(outline, base, margin, bias, gate);
+  ClassRange range;
+  patch.describe(range);
+  const RangeClasses classes = lay_out(range);
+  EXPECT_GT(classes.rings, 10);
+  EXPECT_EQ(classes.bins(), 2);
+  patch.classify(classes);
+  RangeCorrection correction;
+  correction.by_bin = {-0.001, 0.003};
+  correction.by_ring.assign(static_cast<std::size_t>(classes.rings), 0);
+  for (std::size_t i = 0; i < correction.by_ring.size(); ++i)
+    correction.by_ring[i] = 0.002 * static_cast<double>(i % 3);
+  std::mt19937_64 rng(5);
+  std::normal_distribution<double> step(0, GetParam());
+  Pose pose = base;
+  for (int move = 0; move < 20; ++move) {
+    Vector6d d;
+    for (int k = 0; k < 6; ++k) d(k) = step(rng);
+    pose = pose.perturbed(d);
+    patch.aim(outline, pose, margin, bias, gate);
+    const RangeSums sums = patch.sums(board_plane(pose), bias, gate, correction);
+    const RangeSums all = one_by_one(sight, pose, sums.reference, bias, gate, classes, 90.f, correction);
+    ASSERT_EQ(sums.weight, all.weight) << move;
+    EXPECT_GT(sums.weight, 1000);
+    // The points are rounded to floats, and again after their correction.
+    EXPECT_NEAR(sums.cost, all.cost, 1e-5 * all.cost);
+    EXPECT_LT((sums.gradient - all.gradient).norm(), 2e-5 * all.gradient.norm());
+    EXPECT_LT((sums.H - all.H).norm(), 1e-5 * all.H.norm());
+    // The reference stays close to the plane.
+    EXPECT_LT((sums.reference - inverse_plane(board_plane(pose))).norm(), 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OfABoard, Moves, testing::Values(1e-6, 1e-5, 1e-4, 1e-3, 1e-2));
+
+TEST(ReturnPatch, FitFindsThePlaneFromAfar) {
+  const Pose pose = board_pose();
+  LidarSight sight = sight_of(pose, 0);
+  std::erase_if(sight.on_board, [](const BoardReturn& here) { return here.intensity < 50 || here.ring % 3; });
+  std::erase_if(sight.on_board, [&](const BoardReturn& here) {
+    return std::abs(board_plane(pose).distance(here.point.cast<double>())) > 1e-3;
+  });
+  ASSERT_GT(sight.on_board.size(), 200u);
+  ReturnPatch patch(sight);
+  Vector6d off;
+  off << 0.1, -0.1, 0.05, 0, 0, 0.1;
+  const Plane fit = patch.fit_found(board_plane(pose.perturbed(off)), 10);
+  EXPECT_LT((fit.normal - board_plane(pose).normal).norm(), 1e-6);
+  EXPECT_NEAR(fit.offset, board_plane(pose).offset, 1e-6);
+}
+
+}  // namespace
+}  // namespace ca2
