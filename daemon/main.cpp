@@ -1,4 +1,6 @@
 /// @file ca2d: sees the board in every sensor, captures when it is still, says what to do next.
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <condition_variable>
 #include <cstdio>
@@ -105,6 +107,9 @@ int run(const Arguments& arguments, bool config_given) {
 }  // namespace ca2
 
 int main(int argc, char** argv) {
+  // Pictures are made by one thread and given back by another: with an arena per thread each of them would
+  // keep the room that was ever needed.
+  mallopt(M_ARENA_MAX, 2);
   ca2::Arguments arguments;
   CLI::App app("The capture daemon: sees the board in every sensor, captures when it is still.", "ca2d");
   app.set_version_flag("--version", "ca2d " CA2_VERSION);

@@ -13,6 +13,8 @@ namespace {
 constexpr double stopped = 0.25;
 // Of the scans that fit into the dwell; the others may have begun before it, or be lost.
 constexpr double enough_scans = 0.7;
+// When a hold began is seen while it lasts, and differently by every picture: by less than this.
+constexpr std::int64_t settling = 300'000'000;  // ns
 
 std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
   std::string list;
@@ -84,6 +86,23 @@ Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int6
   }
   a.phase = Assessment::Phase::ready;
   return a;
+}
+
+void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Assessment& assessment,
+                      bool decided) {
+  const bool held =
+      assessment.phase == Assessment::Phase::holding || assessment.phase == Assessment::Phase::ready;
+  const auto dwell = static_cast<std::int64_t>(1e9 * options.dwell);
+  const auto oldest = [&](std::int64_t newest, std::int64_t slack) {
+    if (decided) return newest - dwell - slack;
+    return (held ? std::min(assessment.since, newest) : newest) - slack;
+  };
+  for (CameraTrack& camera : tracks.cameras) {
+    if (camera.newest()) camera.release_before(oldest(camera.newest()->time, settling));
+  }
+  for (LidarTrack& lidar : tracks.lidars) {
+    if (lidar.newest()) lidar.release_before(oldest(lidar.newest()->time, settling + 3 * lidar.period()));
+  }
 }
 
 }  // namespace ca2

@@ -36,4 +36,10 @@ struct Assessment {
 
 Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int64_t now);
 
+/// Lets go of the pictures and scans that can be in no view any more: those of before the hold, and, once it
+/// is decided what becomes of the hold, all but those of the last dwell. A second of a rig's pictures is a
+/// hundred megabytes.
+void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Assessment& assessment,
+                      bool decided);
+
 }  // namespace ca2

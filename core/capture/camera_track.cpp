@@ -11,6 +11,8 @@ namespace {
 constexpr std::int64_t longest_gap = 300'000'000;  // ns
 // Detectors' errors alone move corners by so much.
 constexpr double least_motion = 0.5;  // px
+// So many pictures per second make the mean as good as it gets; a fast camera's others only fill the memory.
+constexpr std::int64_t picture_spacing = 62'500'000;  // ns
 
 using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
 
@@ -56,10 +58,20 @@ void CameraTrack::add(const CameraObservation& observation) {
     return;
   }
   if (!samples_.empty() && observation.time <= samples_.back().time) samples_.clear();  // the clock was set
+  // Counted by the clock, so that cameras that are triggered together keep the same ones.
+  if (!samples_.empty() && samples_.back().time / picture_spacing == observation.time / picture_spacing)
+    samples_.back().image.reset();
   samples_.push_back(observation);
   // What shows no board is in no view: its pixels need not be kept.
   if (observation.corners.empty()) samples_.back().image.reset();
   while (samples_.front().time < observation.time - history_) samples_.pop_front();
+}
+
+void CameraTrack::release_before(std::int64_t time) {
+  for (CameraObservation& sample : samples_) {
+    if (sample.time >= time) break;
+    sample.image.reset();
+  }
 }
 
 Pixels CameraTrack::aligned(const std::vector<Corner>& corners, const Pixels& reference) const {

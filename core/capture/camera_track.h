@@ -28,11 +28,14 @@ class CameraTrack {
   /// Nothing where the board is not in sight at `now`. `board_motion` m and `dwell` s as in CaptureOptions.
   std::optional<CameraStillness> stillness(std::int64_t now, double board_motion, double dwell) const;
 
-  /// Pictures with the board from `first` to `last`, oldest first.
+  /// Pictures with the board from `first` to `last`, oldest first; released ones are among them.
   std::vector<const CameraObservation*> between(std::int64_t first, std::int64_t last) const;
   /// Mean place of every corner that most of these pictures show, its covariance that of one picture's
   /// divided by their number; ids as in the newest one.
   std::vector<Corner> mean_corners(const std::vector<const CameraObservation*>& pictures) const;
+
+  /// Pictures taken before are in no view any more: only what was found in them is kept.
+  void release_before(std::int64_t time);
 
   const CameraObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
   const Rhythm& rhythm() const { return rhythm_; }

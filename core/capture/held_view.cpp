@@ -31,7 +31,10 @@ class Collector {
 
   HeldView run(std::int64_t since, std::int64_t newest) {
     std::vector<std::vector<const CameraObservation*>> pictures;
-    for (const CameraTrack& camera : tracks_.cameras) pictures.push_back(camera.between(since, newest));
+    for (const CameraTrack& camera : tracks_.cameras) {
+      std::erase_if(pictures.emplace_back(camera.between(since, newest)),
+                    [](const CameraObservation* picture) { return picture->image == nullptr; });
+    }
     keep_pairs(pictures);
     for (std::size_t c = 0; c < pictures.size(); ++c) add_camera(c, std::move(pictures[c]));
     if (!view_.cameras.empty()) {
@@ -108,7 +111,7 @@ class Collector {
       held.motion = hold.motion;
     }
     std::string reason = doubt_text(name, best, held.scans.empty());
-    // Scans in which nothing was found are not kept (LidarTrack).
+    // Scans in which nothing was found, or that were released, are not kept (LidarTrack).
     std::erase_if(held.scans, [](const LidarObservation* scan) { return scan->scan == nullptr; });
     if (reason.empty()) reason = judge_lidar(name, *held.sight);
     view_.gates[name] = reason;

@@ -33,6 +33,13 @@ void LidarTrack::add(const LidarObservation& observation) {
   while (samples_.front().time < observation.time - history_) samples_.pop_front();
 }
 
+void LidarTrack::release_before(std::int64_t time) {
+  for (LidarObservation& sample : samples_) {
+    if (sample.time >= time || &sample == &samples_.back()) break;
+    sample.scan.reset();
+  }
+}
+
 std::vector<const LidarObservation*> LidarTrack::within(std::int64_t first, std::int64_t last) const {
   std::vector<const LidarObservation*> list;
   const std::int64_t half = period() / 2;

@@ -24,10 +24,13 @@ class LidarTrack {
 
   void add(const LidarObservation& observation);
 
-  /// Scans that were measured between these times as a whole, oldest first.
+  /// Scans that were measured between these times as a whole, oldest first; released ones are among them.
   std::vector<const LidarObservation*> within(std::int64_t first, std::int64_t last) const;
   /// The newest of the scans' hypotheses, followed back through the others.
   static std::vector<LidarHold> follow(const std::vector<const LidarObservation*>& scans);
+
+  /// Scans measured before are in no view any more: only what was found in them is kept. Never the newest.
+  void release_before(std::int64_t time);
 
   const LidarObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
   const Rhythm& rhythm() const { return rhythm_; }

@@ -108,6 +108,7 @@ struct CapturePipeline::State {
     // Still since before the end of what was known of the hold: the same one.
     if (hold.active && (!still || assessment.since > hold.end)) hold = {};
     if (assessment.phase == Assessment::Phase::moving && assessment.since > picked) picks.clear();
+    release_unneeded(tracks, options, assessment, hold.decided);
     if (assessment.phase != Assessment::Phase::ready) return;
     hold.active = true;
     hold.end = std::max(hold.end, assessment.newest);

@@ -1,8 +1,9 @@
 /// A GigE Vision camera in a process of its own: Aravis's simulated one behind true GVCP and GVSP, with our
-/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT]. LOST is the share of packets that get
-/// lost. FILE has the bytes of every picture (repeated where the picture is larger). FOLDER holds the
-/// <utc_ns>.png of a recording, each of which is shown SHIFT ns after the time that its name says. Without
-/// either there is a ramp. Says "ready" when it can be opened.
+/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once]]. LOST is the share of packets
+/// that get lost. FILE has the bytes of every picture (repeated where the picture is larger). FOLDER holds
+/// the <utc_ns>.png of a recording, each of which is shown SHIFT ns after the time that its name says; they
+/// are read when they are due, or all at once. Without either there is a ramp. Says "ready" when it can be
+/// opened.
 #include <arv.h>
 #include <unistd.h>
 
@@ -29,13 +30,14 @@ volatile std::sig_atomic_t stopped = 0;
 /// The pictures of a recording, in time.
 class Film {
  public:
-  bool open(const fs::path& folder, std::int64_t shift) {
+  bool open(const fs::path& folder, std::int64_t shift, bool at_once) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() == ".png") times_.push_back(std::stoll(entry.path().stem().string()));
     }
     std::sort(times_.begin(), times_.end());
     folder_ = folder;
     shift_ = shift;
+    for (std::size_t i = 0; at_once && i < times_.size(); ++i) pictures_.push_back(read(i));
     return times_.size() > 1;
   }
 
@@ -47,19 +49,23 @@ class Film {
     const std::int64_t time = ca2::utc_now() - shift_;
     if (at_ + 1 < times_.size() && times_[at_ + 1] < time + period / 2) ++at_;
     while (at_ + 1 < times_.size() && times_[at_] < time - period) ++at_;
-    if (before != at_ || pixels_.empty()) {
-      auto image = ca2::read_picture(folder_ / (std::to_string(times_[at_]) + ".png"));
-      if (image) pixels_ = std::move(image->bytes);
-    }
-    return pixels_;
+    if (!pictures_.empty()) return pictures_[at_];
+    if (before != at_ || due_.empty()) due_ = read(at_);
+    return due_;
   }
 
  private:
+  std::vector<std::uint8_t> read(std::size_t index) const {
+    auto image = ca2::read_picture(folder_ / (std::to_string(times_[index]) + ".png"));
+    return image ? std::move(image->bytes) : std::vector<std::uint8_t>();
+  }
+
   fs::path folder_;
   std::int64_t shift_ = 0;
   std::vector<std::int64_t> times_;
   std::size_t at_ = 0;
-  std::vector<std::uint8_t> pixels_;
+  std::vector<std::uint8_t> due_;
+  std::vector<std::vector<std::uint8_t>> pictures_;  ///< all, where they were read at once
 };
 
 std::vector<std::uint8_t> still;  ///< every picture, where there is no film
@@ -85,7 +91,7 @@ bool open_source(int argc, char** argv) {
     return true;
   }
   have_film = fs::is_directory(argv[4]);
-  if (have_film) return film.open(argv[4], argc > 5 ? std::atoll(argv[5]) : 0);
+  if (have_film) return film.open(argv[4], argc > 5 ? std::atoll(argv[5]) : 0, argc > 6);
   std::ifstream file(argv[4], std::ios::binary);
   still.assign(std::istreambuf_iterator<char>(file), {});
   return !still.empty();
@@ -95,7 +101,7 @@ bool open_source(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT]\n");
+    std::fprintf(stderr, "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once]]\n");
     return 64;
   }
   if (!open_source(argc, argv)) {
