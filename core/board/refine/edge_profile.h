@@ -75,12 +75,12 @@ class PixelEdge {
     b_ = std::max(std::abs(std::sin(angle)), 0.02);
     wide_ = std::sqrt(sigma * sigma + 1.0 / 12);
     fourth_ = -(std::pow(a_, 4) + std::pow(b_, 4)) / 120 / (24 * std::pow(wide_, 4));
-    support_ = EdgeProfile::limit * (sharp ? sigma : wide_) + (sharp ? 0.5 * (a_ + b_) : 0);
+    support_ = 4 * (sharp ? sigma : wide_) + (sharp ? 0.5 * (a_ + b_) : 0);
   }
 
   /// Sigma of blur and pixel together, px.
   double wide() const { return wide_; }
-  /// Distance from the line beyond which the value is -1 or 1, px.
+  /// Distance from the line beyond which the value is -1 or 1 to 0.01 %, px.
   double support() const { return support_; }
 
   Value at(double distance) const { return sharp_ ? exact(distance) : gaussian(distance); }

@@ -14,6 +14,7 @@ namespace {
 // A patch reaches half-way to the next corner: no pixel is used twice.
 constexpr double reach_share = 0.5;
 constexpr double most_reach = 24;       // px, bounds the time on large squares
+constexpr double rough_reach = 12;      // px along the edges, in the first pass
 constexpr double model_floor = 0.002;   // px, what lens, print and paper do that the model does not know
 constexpr double quantisation = 0.083;  // grey^2, of 8 bits: 1/12
 
@@ -24,6 +25,7 @@ class PrintMask {
   static constexpr int cells = 32;
 
   PrintMask(const Board& board, const Eigen::Vector2d& corner, double pitch) {
+    if (board.type->repeats(board)) return;  // a print like that has nothing beside its corners
     bool all = true;
     for (int j = 0; j < cells; ++j) {
       for (int i = 0; i < cells; ++i) {
@@ -59,9 +61,10 @@ class PrintMask {
 };
 
 /// The pixels of a corner's patch. Those near the edges tell the position and are all kept; of the flat rest
-/// only as many as the grey levels need.
+/// only as many as the grey levels need. Edges are followed for `edge_reach` px.
 std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector2d& centre,
-                                     const Neighbourhood& lattice, const PrintMask& mask, double sigma) {
+                                     const Neighbourhood& lattice, const PrintMask& mask, double sigma,
+                                     double edge_reach) {
   Eigen::Matrix2d pixel_by_board;
   pixel_by_board << lattice.along[0], lattice.along[1];
   const Eigen::Matrix2d board_by_pixel = pixel_by_board.inverse();
@@ -70,7 +73,7 @@ std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector
     const double length = lattice.along[i].norm();
     part[i] = std::min(reach_share * lattice.reach[i], most_reach) / length;
     // Pitches per pixel across the lines of the other axis.
-    edge_band[i] = (4 * sigma + 1) * board_by_pixel.row(i).norm();
+    edge_band[i] = (2.7 * sigma + 0.8) * board_by_pixel.row(i).norm();
   }
   const Eigen::Vector2d margin(0.7 * (sigma + 0.5) * board_by_pixel.row(0).norm(),
                                0.7 * (sigma + 0.5) * board_by_pixel.row(1).norm());
@@ -87,7 +90,10 @@ std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector
       const Eigen::Vector2d at = board_by_pixel * (Eigen::Vector2d(x, y) - centre);
       if (std::abs(at.x()) > part[0] || std::abs(at.y()) > part[1]) continue;
       const bool flat = std::abs(at.x()) > edge_band[0] && std::abs(at.y()) > edge_band[1];
-      if (flat && (x % thin != 0 || y % thin != 0)) continue;
+      if (flat ? x % thin != 0 || y % thin != 0
+               : (Eigen::Vector2d(x, y) - centre).squaredNorm() > edge_reach * edge_reach) {
+        continue;
+      }
       if (!mask.plain(at, margin)) continue;
       pixels.push_back({static_cast<double>(x), static_cast<double>(y), image.at(x, y)});
     }
@@ -213,7 +219,9 @@ class Refiner {
     start.sharp = before != nullptr &&
                   std::exp(std::min(start.log_sigma[0], start.log_sigma[1])) < PixelEdge::sharp_sigma;
     const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
-    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma), start, prior);
+    const double edge_reach = before != nullptr ? 2 * most_reach : rough_reach;
+    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma, edge_reach), start, prior,
+                      before != nullptr ? 1e-4 : 1e-2);
   }
 
   const Board& board_;

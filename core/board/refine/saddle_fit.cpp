@@ -34,8 +34,16 @@ class SaddleProblem : public DenseNormalEquations {
  public:
   using State = SaddleModel;
 
-  SaddleProblem(std::span<const PatchPixel> pixels, const SlopePrior& prior)
-      : pixels_(pixels), prior_(prior) {}
+  SaddleProblem(std::span<const PatchPixel> pixels, const SlopePrior& prior, double tolerance)
+      : pixels_(pixels), prior_(prior), tolerance_(tolerance) {}
+
+  /// None of a step that hardly moves the corner nor turns its edges: how blurred the picture is, where that
+  /// is next to nothing, need not be known better.
+  double predicted_decrease(const Eigen::VectorXd& step) const {
+    const bool tiny = step.head<2>().norm() < tolerance_ && std::abs(step[angle_]) < 10 * tolerance_ &&
+                      std::abs(step[angle_ + per_edge]) < 10 * tolerance_;
+    return tiny ? 0 : DenseNormalEquations::predicted_decrease(step);
+  }
 
   /// An accepted step was judged by `cost` just before: its normal equations are there already.
   double linearize(const SaddleModel& model) {
@@ -126,6 +134,7 @@ class SaddleProblem : public DenseNormalEquations {
 
   std::span<const PatchPixel> pixels_;
   SlopePrior prior_;
+  double tolerance_;  ///< px
   std::optional<SaddleModel> judged_;
   Eigen::Matrix<double, size, size> h_;  ///< at judged_
   Eigen::Matrix<double, size, 1> gradient_;
@@ -160,13 +169,13 @@ double model_grey(const SaddleModel& model, double x, double y) {
 }
 
 std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
-                                    const SlopePrior& prior) {
+                                    const SlopePrior& prior, double tolerance) {
   if (pixels.size() < 2 * size) return std::nullopt;
   SaddleModel model = start;
   if (!set_light(pixels, model)) return std::nullopt;
   model.slope = prior.mean;
   model.light_origin = start.position;
-  SaddleProblem problem(pixels, prior);
+  SaddleProblem problem(pixels, prior, tolerance);
   LmOptions options;
   options.max_iterations = 20;
   // A step that promises a millionth of the cost is a thirtieth of a sigma, and is still taken.

@@ -57,9 +57,9 @@ struct SaddleFit {
 };
 
 /// Least squares from a start within about half a pixel (its offset and gain need not be set); nothing when
-/// it runs away or there are too few pixels.
+/// it runs away or there are too few pixels. A step of less than `tolerance` [px] is the last.
 std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
-                                    const SlopePrior& prior = {});
+                                    const SlopePrior& prior = {}, double tolerance = 1e-4);
 
 /// Grey value of the model averaged over the pixel at (x, y).
 double model_grey(const SaddleModel& model, double x, double y);
