@@ -74,12 +74,14 @@ class PixelEdge {
     a_ = std::max(std::abs(std::cos(angle)), 0.02);
     b_ = std::max(std::abs(std::sin(angle)), 0.02);
     wide_ = std::sqrt(sigma * sigma + 1.0 / 12);
+    per_wide_ = 1 / wide_;
+    per_sigma_ = 1 / sigma;
     fourth_ = -(std::pow(a_, 4) + std::pow(b_, 4)) / 120 / (24 * std::pow(wide_, 4));
     support_ = 4 * (sharp ? sigma : wide_) + (sharp ? 0.5 * (a_ + b_) : 0);
   }
 
-  /// Sigma of blur and pixel together, px.
-  double wide() const { return wide_; }
+  /// One over sigma of blur and pixel together, 1/px.
+  double per_wide() const { return per_wide_; }
   /// Distance from the line beyond which the value is -1 or 1 to 0.01 %, px.
   double support() const { return support_; }
 
@@ -87,12 +89,12 @@ class PixelEdge {
 
  private:
   Value gaussian(double distance) const {
-    const double z = distance / wide_;
+    const double z = distance * per_wide_;
     const EdgeProfile::Value e = EdgeProfile::at(z);
     const double q = z * z;
-    const double slope = e.slope / wide_;
+    const double slope = e.slope * per_wide_;
     return {e.value + fourth_ * z * (3 - q) * e.slope, slope * (1 + fourth_ * (q * (q - 6) + 3)),
-            -slope / wide_ * z * (1 + fourth_ * (q * (q - 10) + 15))};
+            -slope * per_wide_ * z * (1 + fourth_ * (q * (q - 10) + 15))};
   }
 
   /// Integrating over a box is a difference of antiderivatives: two boxes, the second antiderivative of the
@@ -101,7 +103,7 @@ class PixelEdge {
     Value sum{0, 0, 0};
     for (const double side : {-0.5, 0.5}) {
       for (const double other : {-0.5, 0.5}) {
-        const double z = (distance + side * a_ + other * b_) / sigma_;
+        const double z = (distance + side * a_ + other * b_) * per_sigma_;
         const EdgeProfile::Value e = EdgeProfile::at(z);
         const double sign = side * other > 0 ? 1 : -1;
         sum.bend += sign * e.value;
@@ -118,6 +120,8 @@ class PixelEdge {
   double a_ = 1;
   double b_ = 0;
   double wide_ = 1;
+  double per_wide_ = 1;
+  double per_sigma_ = 1;
   double fourth_ = 0;
   double support_ = 0;
 };

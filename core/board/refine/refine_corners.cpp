@@ -60,11 +60,9 @@ class PrintMask {
   bool all_ = true;
 };
 
-/// The pixels of a corner's patch. Those near the edges tell the position and are all kept; of the flat rest
-/// only as many as the grey levels need. Edges are followed for `edge_reach` px.
-std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector2d& centre,
-                                     const Neighbourhood& lattice, const PrintMask& mask, double sigma,
-                                     double edge_reach) {
+/// The pixels of a corner's patch. Edges are followed for `edge_reach` px.
+CornerPatch cut_patch(const GreyImage& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice,
+                      const PrintMask& mask, double sigma, double edge_reach) {
   Eigen::Matrix2d pixel_by_board;
   pixel_by_board << lattice.along[0], lattice.along[1];
   const Eigen::Matrix2d board_by_pixel = pixel_by_board.inverse();
@@ -82,23 +80,26 @@ std::vector<PatchPixel> patch_pixels(const GreyImage& image, const Eigen::Vector
   const int x1 = std::min(image.width - 1, static_cast<int>(std::floor(centre.x() + half.x())));
   const int y0 = std::max(0, static_cast<int>(std::ceil(centre.y() - half.y())));
   const int y1 = std::min(image.height - 1, static_cast<int>(std::floor(centre.y() + half.y())));
-  std::vector<PatchPixel> pixels;
-  // One flat pixel in `thin` each way: at most about 15 x 15.
-  const int thin = std::max(1, static_cast<int>(half.maxCoeff() / 8));
+  CornerPatch patch{centre, {}, {}};
+  patch.edge.reserve(512);
+  // Of the flat pixels of a large patch one in `thin` each way: 24 x 24 are enough.
+  const int thin = std::max(1, static_cast<int>(half.maxCoeff() / 12));
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
-      const Eigen::Vector2d at = board_by_pixel * (Eigen::Vector2d(x, y) - centre);
+      const Eigen::Vector2d off = Eigen::Vector2d(x, y) - centre;
+      const Eigen::Vector2d at = board_by_pixel * off;
       if (std::abs(at.x()) > part[0] || std::abs(at.y()) > part[1]) continue;
       const bool flat = std::abs(at.x()) > edge_band[0] && std::abs(at.y()) > edge_band[1];
-      if (flat ? x % thin != 0 || y % thin != 0
-               : (Eigen::Vector2d(x, y) - centre).squaredNorm() > edge_reach * edge_reach) {
-        continue;
-      }
+      if (flat ? x % thin != 0 || y % thin != 0 : off.squaredNorm() > edge_reach * edge_reach) continue;
       if (!mask.plain(at, margin)) continue;
-      pixels.push_back({static_cast<double>(x), static_cast<double>(y), image.at(x, y)});
+      if (flat) {
+        patch.flat.add(at.x() * at.y() < 0 ? 1 : -1, off.x(), off.y(), image.at(x, y));
+      } else {
+        patch.edge.push_back({static_cast<double>(x), static_cast<double>(y), image.at(x, y)});
+      }
     }
   }
-  return pixels;
+  return patch;
 }
 
 /// Blur of the picture near a corner from the steepest descent towards a neighbouring field, px: a start.
@@ -220,7 +221,7 @@ class Refiner {
                   std::exp(std::min(start.log_sigma[0], start.log_sigma[1])) < PixelEdge::sharp_sigma;
     const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
     const double edge_reach = before != nullptr ? 2 * most_reach : rough_reach;
-    return fit_saddle(patch_pixels(image_, corner.pixel, lattice, mask, sigma, edge_reach), start, prior,
+    return fit_saddle(cut_patch(image_, corner.pixel, lattice, mask, sigma, edge_reach), start, prior,
                       before != nullptr ? 1e-4 : 1e-2);
   }
 

@@ -99,19 +99,19 @@ class SaddleEvaluator {
  private:
   /// Where both edges are near and not square to each other.
   void add_correlation(const double (&c)[2], SeenSaddle& s) const {
-    const double z[2] = {c[0] / edge_[0].wide(), c[1] / edge_[1].wide()};
+    const double z[2] = {c[0] * edge_[0].per_wide(), c[1] * edge_[1].per_wide()};
     const double both = EdgeProfile::at(z[0]).slope * EdgeProfile::at(z[1]).slope;
     const double q0 = z[0] * z[0] - 1;
     const double q1 = z[1] * z[1] - 1;
     const double r2 = rho_ * rho_;
-    const double terms = rho_ + r2 * z[0] * z[1] / 2 + r2 * rho_ * q0 * q1 / 6;
+    const double terms = rho_ + r2 * (0.5 * z[0] * z[1] + rho_ / 6 * q0 * q1);
     s.product += both * terms;
     s.by_rho = both * (1 + rho_ * z[0] * z[1] + r2 * q0 * q1 / 2);
-    const double by_z[2] = {both * (r2 * z[1] / 2 + r2 * rho_ * z[0] * q1 / 3 - z[0] * terms),
-                            both * (r2 * z[0] / 2 + r2 * rho_ * z[1] * q0 / 3 - z[1] * terms)};
+    const double by_z[2] = {both * (r2 * (0.5 * z[1] + rho_ / 3 * z[0] * q1) - z[0] * terms),
+                            both * (r2 * (0.5 * z[0] + rho_ / 3 * z[1] * q0) - z[1] * terms)};
     for (int i = 0; i < 2; ++i) {
-      s.by_c[i] += by_z[i] / edge_[i].wide();
-      s.by_sigma[i] -= by_z[i] * z[i] * variance_[i] / (edge_[i].wide() * edge_[i].wide());
+      s.by_c[i] += by_z[i] * edge_[i].per_wide();
+      s.by_sigma[i] -= by_z[i] * z[i] * variance_[i] * edge_[i].per_wide() * edge_[i].per_wide();
     }
   }
 

@@ -34,8 +34,8 @@ class SaddleProblem : public DenseNormalEquations {
  public:
   using State = SaddleModel;
 
-  SaddleProblem(std::span<const PatchPixel> pixels, const SlopePrior& prior, double tolerance)
-      : pixels_(pixels), prior_(prior), tolerance_(tolerance) {}
+  SaddleProblem(const CornerPatch& patch, const SlopePrior& prior, double tolerance)
+      : patch_(patch), prior_(prior), tolerance_(tolerance) {}
 
   /// None of a step that hardly moves the corner nor turns its edges: how blurred the picture is, where that
   /// is next to nothing, need not be known better.
@@ -60,32 +60,32 @@ class SaddleProblem : public DenseNormalEquations {
     const SaddleEvaluator evaluator(model);
     Sums<CrossRow> cross;
     Sums<EdgeRow> edge[2];
-    Sums<Eigen::Vector4f> flat;  // offset, gain, slope
     squares_ = 0;
-    for (const PatchPixel& pixel : pixels_) {
+    for (const PatchPixel& pixel : patch_.edge) {
       const SeenSaddle seen = evaluator.see(pixel.x, pixel.y);
       const double r = evaluator.grey(seen, pixel.x, pixel.y) - pixel.grey;
       squares_ += r * r;
-      if (seen.edge[0] && seen.edge[1]) {
+      if (seen.edge[0] == seen.edge[1]) {
         CrossRow row;
         evaluator.common_row(seen, pixel.x, pixel.y, row);
         for (int i = 0; i < 2; ++i) evaluator.edge_row(seen, i, angle_ + i * per_edge, row);
         cross.add(row, r);
-      } else if (seen.edge[0] || seen.edge[1]) {
+      } else {
         const int i = seen.edge[0] ? 0 : 1;
         EdgeRow row;
         evaluator.common_row(seen, pixel.x, pixel.y, row);
         evaluator.edge_row(seen, i, angle_, row);
         edge[i].add(row, r);
-      } else {
-        const Eigen::Vector2d at = Eigen::Vector2d(pixel.x, pixel.y) - model.light_origin;
-        flat.add(Eigen::Vector4d(1, seen.product, at.x(), at.y()).cast<float>(), r);
       }
     }
     h_ = cross.h.cast<double>();
     gradient_ = cross.g;
-    h_.block<4, 4>(offset_, offset_) += flat.h.cast<double>();
-    gradient_.segment<4>(offset_) += flat.g;
+    const FlatPixels& flat = patch_.flat;
+    const Eigen::Vector4d light(model.offset, model.gain, model.slope.x(), model.slope.y());
+    const Eigen::Vector4d by_flat = flat.squares * light - flat.greys;
+    h_.block<4, 4>(offset_, offset_) += flat.squares;
+    gradient_.segment<4>(offset_) += by_flat;
+    squares_ += light.dot(by_flat - flat.greys) + flat.grey_squares;
     for (int i = 0; i < 2; ++i) {
       const int at = angle_ + i * per_edge;
       const Eigen::Matrix<double, common + per_edge, common + per_edge> h = edge[i].h.cast<double>();
@@ -132,7 +132,7 @@ class SaddleProblem : public DenseNormalEquations {
     }
   }
 
-  std::span<const PatchPixel> pixels_;
+  const CornerPatch& patch_;
   SlopePrior prior_;
   double tolerance_;  ///< px
   std::optional<SaddleModel> judged_;
@@ -143,10 +143,12 @@ class SaddleProblem : public DenseNormalEquations {
 };
 
 /// Offset and gain that suit the pixels best with the rest as it is.
-bool set_light(std::span<const PatchPixel> pixels, SaddleModel& model) {
+bool set_light(const CornerPatch& patch, SaddleModel& model) {
   const SaddleEvaluator evaluator(model);
-  double s = 0, sp = 0, spp = 0, sg = 0, spg = 0;
-  for (const PatchPixel& pixel : pixels) {
+  const FlatPixels& flat = patch.flat;
+  double s = flat.squares(0, 0), sp = flat.squares(0, 1), spp = flat.squares(1, 1);
+  double sg = flat.greys[0], spg = flat.greys[1];
+  for (const PatchPixel& pixel : patch.edge) {
     const double p = evaluator.see(pixel.x, pixel.y).product;
     s += 1;
     sp += p;
@@ -168,14 +170,15 @@ double model_grey(const SaddleModel& model, double x, double y) {
   return evaluator.grey(evaluator.see(x, y), x, y);
 }
 
-std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
+std::optional<SaddleFit> fit_saddle(const CornerPatch& patch, const SaddleModel& start,
                                     const SlopePrior& prior, double tolerance) {
-  if (pixels.size() < 2 * size) return std::nullopt;
+  const int count = static_cast<int>(patch.edge.size()) + patch.flat.count;
+  if (count < 2 * size) return std::nullopt;
   SaddleModel model = start;
-  if (!set_light(pixels, model)) return std::nullopt;
+  if (!set_light(patch, model)) return std::nullopt;
   model.slope = prior.mean;
-  model.light_origin = start.position;
-  SaddleProblem problem(pixels, prior, tolerance);
+  model.light_origin = patch.origin;
+  SaddleProblem problem(patch, prior, tolerance);
   LmOptions options;
   options.max_iterations = 20;
   // A step that promises a millionth of the cost is a thirtieth of a sigma, and is still taken.
@@ -195,8 +198,7 @@ std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const Sa
   fit.information = coupled - cross.transpose() * nuisance.solve(cross);
   fit.slope_variance =
       0.5 * H.ldlt().solve(Eigen::Matrix<double, size, size>::Identity()).diagonal().segment<2>(slope_).sum();
-  fit.rms = std::sqrt(problem.squares() / static_cast<double>(pixels.size() - size));
-  fit.pixels = static_cast<int>(pixels.size());
+  fit.rms = std::sqrt(problem.squares() / (count - size));
   return fit;
 }
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace ca2 {
@@ -13,6 +12,30 @@ struct PatchPixel {
   double x;     ///< px
   double y;     ///< px
   double grey;  ///< 0..255
+};
+
+/// The pixels far from both edges, which are either the one grey or the other: all that a fit needs of them
+/// are sums over rows (1, side, x, y), x and y from an origin. Their side is the sign of M.
+struct FlatPixels {
+  Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();  ///< of the rows
+  Eigen::Vector4d greys = Eigen::Vector4d::Zero();    ///< of the rows times the grey
+  double grey_squares = 0;
+  int count = 0;
+
+  void add(double side, double x, double y, double grey) {
+    const Eigen::Vector4d row(1, side, x, y);
+    squares += row * row.transpose();
+    greys += grey * row;
+    grey_squares += grey * grey;
+    ++count;
+  }
+};
+
+/// What is fitted.
+struct CornerPatch {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< px, of the flat pixels and of the light's slope
+  std::vector<PatchPixel> edge;
+  FlatPixels flat;
 };
 
 /// Two crossing edges under a Gaussian blur, as pixels see them:
@@ -53,12 +76,11 @@ struct SaddleFit {
   double slope_variance = 0;    ///< (grey/px)^2 for unit noise, mean of both directions
   Eigen::Matrix2d information;  ///< of the position with everything else free, for unit noise, 1/px^2
   double rms = 0;               ///< grey, of the residuals per degree of freedom
-  int pixels = 0;
 };
 
-/// Least squares from a start within about half a pixel (its offset and gain need not be set); nothing when
+/// Least squares from a start within about half a pixel (its light need not be set); nothing when
 /// it runs away or there are too few pixels. A step of less than `tolerance` [px] is the last.
-std::optional<SaddleFit> fit_saddle(std::span<const PatchPixel> pixels, const SaddleModel& start,
+std::optional<SaddleFit> fit_saddle(const CornerPatch& patch, const SaddleModel& start,
                                     const SlopePrior& prior = {}, double tolerance = 1e-4);
 
 /// Grey value of the model averaged over the pixel at (x, y).

@@ -63,17 +63,17 @@ TEST(SaddleFit, ReturnsWhatMadeThePixels) {
     truth.offset = 120;
     truth.gain = i % 2 == 0 ? 80 : -80;
     truth.slope = {0.3 * unit(random), 0.3 * unit(random)};
-    std::vector<PatchPixel> pixels;
+    CornerPatch patch;
     for (int y = 10; y <= 30; ++y) {
       for (int x = 10; x <= 30; ++x) {
-        pixels.push_back({double(x), double(y), model_grey(truth, x, y)});
+        patch.edge.push_back({double(x), double(y), model_grey(truth, x, y)});
       }
     }
     SaddleModel start = truth;
     start.position += Eigen::Vector2d(0.4 * unit(random), 0.4 * unit(random));
     start.angle[0] += 0.05 * unit(random);
     start.log_sigma[0] = start.log_sigma[1] = truth.sharp ? -1 : 0;
-    const auto fit = fit_saddle(pixels, start);
+    const auto fit = fit_saddle(patch, start);
     ASSERT_TRUE(fit);
     // What is guessed of the blur where the picture tells little of it shows.
     EXPECT_LT((fit->model.position - truth.position).norm(), truth.sharp ? 5e-4 : 1e-4);
