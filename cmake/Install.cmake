@@ -35,6 +35,7 @@ endfunction()
 install_manual(ca2-session.5 ca2)
 if(TARGET ca2d)
   install_manual(ca2d.8 ca2d)
+  install_manual(ca2d.yaml.5 ca2d)
 endif()
 
 # For programs that use the parts: find_package(ca2), target ca2::ca2_core and ca2::ca2_drivers.

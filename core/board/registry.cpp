@@ -1,8 +1,7 @@
 #include <array>
 
 #include "core/board/board.h"
-#include "core/board/board_type_hint.h"
-#include "core/io/yaml_reader.h"
+#include "core/board/left_out.h"
 
 namespace ca2 {
 
@@ -28,7 +27,7 @@ const BoardType* find_board_type(std::string_view name) {
   return nullptr;
 }
 
-std::string board_type_hint(std::string_view name) {
+std::string_view board_type_option(std::string_view name) {
   struct LeftOut {
     std::string_view name, option;
   };
@@ -40,13 +39,9 @@ std::string board_type_hint(std::string_view name) {
 #undef CA2_BOARD_TYPE
 #undef CA2_BOARD_LEFT_OUT
   for (const LeftOut& type : left_out) {
-    if (type.name == name) {
-      return "this build was made without it: configure it with -D" + std::string(type.option) + "=ON";
-    }
+    if (type.name == name) return type.option;
   }
-  std::vector<std::string_view> names;
-  for (const BoardType* known : board_types()) names.push_back(known->name());
-  return suggest(name, names);
+  return {};
 }
 
 Outline Board::extent() const {

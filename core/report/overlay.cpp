@@ -93,8 +93,9 @@ std::vector<SeenPoint> seen_points(const Camera& camera, const Scan& scan, const
   return visible;
 }
 
-Overlay draw_overlay(const Image& image, const std::vector<SeenPoint>& points) {
-  Overlay overlay{grey_canvas(image), 0, 0};
+Overlay draw_overlay(const Image& image, const std::vector<SeenPoint>& points, int width) {
+  // Dots are drawn at the final size: made smaller with the picture they would fade into it.
+  Overlay overlay{reduced(grey_canvas(image), width), 0, 0};
   if (points.empty()) return overlay;
   std::vector<const SeenPoint*> order;
   std::vector<double> ranges;
@@ -108,10 +109,14 @@ Overlay draw_overlay(const Image& image, const std::vector<SeenPoint>& points) {
     return a->point.squaredNorm() > b->point.squaredNorm();
   });
   cv::Mat canvas = view_of(overlay.image);
-  const int radius = std::max(1, image.width / 640);
+  const int radius = std::max(1, overlay.image.width / 640);
+  const double zoom = static_cast<double>(overlay.image.width) / image.width;
+  const auto at = [&](const Eigen::Vector2d& p) {
+    return rounded((p + Eigen::Vector2d(0.5, 0.5)) * zoom - Eigen::Vector2d(0.5, 0.5));
+  };
   for (const SeenPoint* point : order) {
     const double share = (point->point.norm() - overlay.near) / (overlay.far - overlay.near);
-    cv::circle(canvas, rounded(point->pixel), radius, scalar(range_colour(share)), cv::FILLED);
+    cv::circle(canvas, at(point->pixel), radius, scalar(range_colour(share)), cv::FILLED);
   }
   return overlay;
 }

@@ -31,13 +31,14 @@ struct SeenPoint {
 std::vector<SeenPoint> seen_points(const Camera& camera, const Scan& scan, const Pose& T_camera_lidar);
 
 struct Overlay {
-  Image image;      ///< colour, 8 bits, size of the picture
+  Image image;      ///< colour, 8 bits
   double near = 0;  ///< m: the range drawn in red (2nd percentile of the points drawn)
   double far = 0;   ///< m: the range drawn in blue (98th percentile)
 };
 
-/// The picture in grey with these points, coloured by range, far ones first.
-Overlay draw_overlay(const Image& image, const std::vector<SeenPoint>& points);
+/// The picture in grey, at most `width` px wide, with these points (px of the whole picture), coloured by
+/// range, far ones first.
+Overlay draw_overlay(const Image& image, const std::vector<SeenPoint>& points, int width);
 
 /// The part of the picture that shows the board, `width` px wide: the LiDAR's points on it coloured by their
 /// error, `scale` (m) at the ends of the colours, and an arrow from each corner along its error, `magnified`

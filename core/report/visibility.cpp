@@ -19,15 +19,16 @@ struct FileCloser {
 /// Indices of the points on the convex hull; all of them where there is none (too few, or in a plane).
 std::vector<std::uint32_t> hull(std::vector<double>& coordinates) {
   const int count = static_cast<int>(coordinates.size() / 3);
-  // The library must not print. Its reentrant half has all its state in `qh`.
+  // The library must not print; without an output file it does not check and sum up what it would print
+  // either. Its reentrant half has all its state in `qh`.
   const std::unique_ptr<std::FILE, FileCloser> nowhere(std::fopen("/dev/null", "w"));
   qhT state;
   qhT* qh = &state;
   qh_zero(qh, nowhere.get());
   char options[] = "qhull Qs";
   std::vector<std::uint32_t> vertices;
-  const int failed = count < 5 || qh_new_qhull(qh, 3, count, coordinates.data(), False, options,
-                                               nowhere.get(), nowhere.get());
+  const int failed =
+      count < 5 || qh_new_qhull(qh, 3, count, coordinates.data(), False, options, nullptr, nowhere.get());
   if (failed == 0) {
     for (const vertexT* vertex = qh->vertex_list; vertex && vertex->next; vertex = vertex->next) {
       vertices.push_back(static_cast<std::uint32_t>(qh_pointid(qh, vertex->point)));

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <set>
 
-#include "core/board/board_type_hint.h"
 #include "core/io/files.h"
 #include "core/io/yaml_reader.h"
+#include "core/session/board_type_hint.h"
 #include "core/session/camera_yaml.h"
 #include "core/session/pose_yaml.h"
 #include "core/session/rig.h"

@@ -118,7 +118,7 @@ std::string write_config(const Config& config) {
   for_each_option(config.options, [&](const char* section, const char* key, const auto& value, double, double,
                                       bool restart, const char* meaning) {
     if (open != section) out += (open = section) + ":\n";
-    out += formatted("  %-36s# %s%s\n", (std::string(key) + ": " + text_of(value)).c_str(), meaning,
+    out += formatted("  %-35s # %s%s\n", (std::string(key) + ": " + text_of(value)).c_str(), meaning,
                      restart ? " (restart)" : "");
   });
   return out;

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/board/board_type_hint.h"
 #include "core/export/board/sheet.h"
 #include "core/io/files.h"
+#include "core/session/board_type_hint.h"
 #include "core/session/board_yaml.h"
 #include "tools/ca2/command.h"
 

@@ -8,6 +8,7 @@
 
 #include "core/io/cloud_files.h"
 #include "core/io/read_picture.h"
+#include "tools/ca2/nearest_pairs.h"
 
 namespace ca2 {
 namespace {
@@ -110,28 +111,20 @@ Result<ImportPlan> plan_import(const fs::path& folder, const Rig& rig, double to
   ImportPlan plan;
   plan.timed = timed == all;
   const auto reach = plan.timed ? static_cast<std::int64_t>(std::llround(tolerance * 1e9)) : 0;
-  // The slowest sensor leads: it has a file in every view.
-  const auto leader = std::min_element(
-      sensors.begin(), sensors.end(),
-      [](const SensorFiles& a, const SensorFiles& b) { return a.files.size() < b.files.size(); });
-  for (const Numbered& file : leader->files) {
-    ImportGroup group{{leader->sensor, file.path}};
-    for (const SensorFiles& other : sensors) {
-      if (&other == &*leader) continue;
-      const Numbered* nearest = nullptr;
-      const auto after = std::lower_bound(other.files.begin(), other.files.end(), file.key,
-                                          [](const Numbered& n, std::int64_t key) { return n.key < key; });
-      const auto distance = [&](const Numbered& n) { return std::abs(n.key - file.key); };
-      if (after != other.files.end()) nearest = &*after;
-      if (after != other.files.begin() && (!nearest || distance(*(after - 1)) < distance(*nearest)))
-        nearest = &*(after - 1);
-      if (nearest && distance(*nearest) <= reach) group[other.sensor] = nearest->path;
+  std::vector<SensorKeys> keys;
+  for (const SensorFiles& sensor : sensors) {
+    keys.push_back({sensor.sensor, {}});
+    for (const Numbered& file : sensor.files) keys.back().second.push_back(file.key);
+  }
+  const Pairing pairing = pair_nearest(keys, reach);
+  plan.single = pairing.single;
+  for (const auto& group : pairing.groups) {
+    ImportGroup files;
+    for (const SensorFiles& sensor : sensors) {
+      const auto at = group.find(sensor.sensor);
+      if (at != group.end()) files[sensor.sensor] = sensor.files[at->second].path;
     }
-    if (group.size() > 1 || sensors.size() == 1) {
-      plan.groups.push_back(std::move(group));
-    } else {
-      ++plan.single;
-    }
+    plan.groups.push_back(std::move(files));
   }
   return plan;
 }

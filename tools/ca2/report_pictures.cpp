@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "core/io/files.h"
@@ -66,8 +67,15 @@ Residuals residuals_of(const Evidence* evidence, const Job& job) {
   return {};
 }
 
+/// Of each of so many pictures, px: the page stays under 15 MB. One of 640 px has some 170 kB with its
+/// residuals and in base64, and 64 of them make 11 MB.
+int picture_width(std::size_t pictures) {
+  const double width = 640 * std::sqrt(64.0 / static_cast<double>(std::max<std::size_t>(pictures, 1)));
+  return static_cast<int>(std::clamp(width, 160.0, 960.0));
+}
+
 std::string jpeg(const Image& image) {
-  const Result<std::string> bytes = encode_jpeg(image, 78);
+  const Result<std::string> bytes = encode_jpeg(image, 68);
   return bytes ? *bytes : std::string();
 }
 
@@ -87,10 +95,9 @@ Drawn draw(const Job& job, const Evidence* evidence, int width, bool first) {
     return drawn;
   }
   const std::vector<SeenPoint> seen = seen_points(camera, *scan, job.T_camera_lidar);
-  const Overlay overlay = draw_overlay(*image, seen);
+  const Overlay overlay = draw_overlay(*image, seen, width);
   ReportPicture& picture = drawn.picture;
-  picture = {job.view,    job.camera, job.lidar, jpeg(reduced(overlay.image, width)), {}, overlay.near,
-             overlay.far, 0,          0};
+  picture = {job.view, job.camera, job.lidar, jpeg(overlay.image), {}, overlay.near, overlay.far, 0, 0};
   if (const Residuals residuals = residuals_of(evidence, job); residuals.corners) {
     picture.residual_scale = std::max(3 * job.range_sigma, 0.001);
     picture.magnified = 100;
@@ -101,7 +108,7 @@ Drawn draw(const Job& job, const Evidence* evidence, int width, bool first) {
   if (first) {
     drawn.cloud = jpeg(draw_cloud(*image, seen, *scan, job.T_camera_lidar));
     drawn.ply = coloured_ply(*image, seen, *scan);
-    drawn.overlay = overlay.image;
+    drawn.overlay = draw_overlay(*image, seen, image->width).image;
   }
   return drawn;
 }
@@ -111,9 +118,7 @@ Drawn draw(const Job& job, const Evidence* evidence, int width, bool first) {
 ReportPictures draw_pictures(const Session& session, const Calibration& calibration, const Evidence* evidence,
                              const std::function<void(int done, int total)>& progress) {
   const std::vector<Job> jobs = list_jobs(session, calibration);
-  // A page of many pictures has smaller ones, so that it stays under 15 MB: with base64 about 0.13 bytes a
-  // pixel.
-  const int width = jobs.size() <= 24 ? 960 : jobs.size() <= 80 ? 640 : 400;
+  const int width = picture_width(jobs.size());
   std::vector<Drawn> drawn(jobs.size());
   std::atomic<std::size_t> next = 0, done = 0;
   const auto work = [&] {

@@ -3,7 +3,7 @@
 #include <random>
 
 #include "core/board/board.h"
-#include "core/board/board_type_hint.h"
+#include "core/session/board_type_hint.h"
 
 namespace ca2 {
 namespace {
