@@ -1,6 +1,8 @@
 #include <Eigen/SVD>
+#include <algorithm>
 
 #include "core/board/board.h"
+#include "core/board/detect/corner_search.h"
 #include "core/board/refine/refine_corners.h"
 
 namespace ca2 {
@@ -17,10 +19,27 @@ bool span_plane(const Board& board, const std::vector<Corner>& corners) {
   return p.jacobiSvd().singularValues()[1] > 0.5 * board.square;
 }
 
+/// The corners of a board of markers: moved to the saddles that the picture shows, and with those whose
+/// markers could not be read but that are next to others. What shows no saddle stays as it is.
+std::vector<Corner> completed(const Board& board, const Image& grey8, const std::vector<Corner>& found) {
+  const CornerSearch search(board, grey8);
+  std::vector<Corner> corners = search.find(found, 0.35);
+  while (search.grow(corners, 0.25) > 0) {
+  }
+  for (const Corner& corner : found) {
+    const auto same = [&](const Corner& other) { return other.id == corner.id; };
+    if (std::none_of(corners.begin(), corners.end(), same)) corners.push_back(corner);
+  }
+  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
+  return corners;
+}
+
 }  // namespace
 
 std::vector<Corner> detect_board(const Board& board, const Image& image) {
-  const std::vector<Corner> found = board.type->find(board, to_grey8(image));
+  const Image grey8 = to_grey8(image);
+  std::vector<Corner> found = board.type->find(board, grey8);
+  if (!found.empty() && !board.type->repeats(board)) found = completed(board, grey8, found);
   if (found.size() < 6) return {};
   std::vector<Corner> corners = refine_corners(board, to_grey(image), found);
   // A board most of whose corners do not look like corners is not a board.

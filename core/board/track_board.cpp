@@ -4,81 +4,41 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 
-#include "core/board/detect/saddle_pyramid.h"
+#include "core/board/detect/corner_search.h"
 #include "core/board/refine/neighbourhood.h"
 
 namespace ca2 {
 namespace {
 
-constexpr double reach_in_spacings = 0.35;  // half a spacing away the next corner is as near
-constexpr int most_reach = 16;              // px of a level: a board that leaps further is searched anew
-constexpr double least_share = 0.6;         // of the expected corners
-constexpr double least_spacing = 8;  // px of a level: on a coarser one, what covers a corner is blurred away
+constexpr double reach = 0.35;       // of a spacing: half of one away the next corner is as near
+constexpr double least_share = 0.6;  // of the expected corners
 constexpr double least_agreement =
     0.75;  // of the samples that tell a shift; a shifted board has half or less
 
 class Tracker {
  public:
   Tracker(const Board& board, const Image& grey8)
-      : board_(board), grey8_(grey8), points_(board.type->corners(board)), pitch_(corner_pitch(points_)) {}
+      : board_(board),
+        grey8_(grey8),
+        search_(board, grey8),
+        points_(board.type->corners(board)),
+        pitch_(corner_pitch(points_)) {}
 
   std::vector<Corner> run(std::span<const Corner> expected) const {
     const auto enough = [&](const std::vector<Corner>& corners) {
       return corners.size() >= 6 &&
              static_cast<double>(corners.size()) >= least_share * static_cast<double>(expected.size());
     };
-    std::vector<Corner> corners = find(expected, 0);
+    std::vector<Corner> corners = search_.find(expected, reach);
     if (!enough(corners)) return {};
     corners = without_strays(expected, corners);
-    const std::vector<Corner> more = find(with_neighbours(corners), corners.size());
-    corners.insert(corners.end(), more.begin(), more.end());
+    search_.grow(corners, reach);
     std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
     return enough(corners) && in_place(corners) ? corners : std::vector<Corner>{};
   }
 
  private:
-  /// Those of `expected` from `first` on that are there.
-  std::vector<Corner> find(std::span<const Corner> expected, std::size_t first) const {
-    const auto lattice = neighbourhoods(points_, expected);
-    std::vector<Corner> found;
-    for (std::size_t i = first; i < expected.size(); ++i) {
-      if (!lattice[i]) continue;
-      if (const auto pixel = corner_near(expected[i], *lattice[i])) {
-        found.push_back({expected[i].id, *pixel, Eigen::Matrix2d::Identity() * 0.04});
-      }
-    }
-    return found;
-  }
-
-  /// On the finest level that shows a corner of the right sense, as the search of the whole picture has it.
-  std::optional<Eigen::Vector2d> corner_near(const Corner& expected, const Neighbourhood& lattice) const {
-    const double spacing = std::min(lattice.reach[0], lattice.reach[1]);
-    for (int level = 0; level < saddle_level_count; ++level) {
-      const double reach = std::min(reach_in_spacings * spacing / (1 << level), 1.0 * most_reach);
-      if (level > 0 && spacing < least_spacing * (1 << level)) break;
-      const std::vector<SaddleLevel> window{
-          saddle_window(grey8_, level, expected.pixel, static_cast<int>(std::ceil(reach)))};
-      for (const Saddle& saddle : strongest_saddles(window)) {
-        const double off = (saddle.pixel - expected.pixel).norm() / (1 << level);
-        if (off <= reach && right_sense(expected.id, lattice, saddle)) return saddle.pixel;
-      }
-    }
-    return std::nullopt;
-  }
-
-  /// Do black and white lie round the saddle as the board prints them round the corner?
-  bool right_sense(int id, const Neighbourhood& lattice, const Saddle& saddle) const {
-    Eigen::Matrix2d pixel_by_board;
-    pixel_by_board << lattice.along[0], lattice.along[1];
-    // In the board's axes: the sign of x * y is the pair of opposite squares that the direction points into.
-    const Eigen::Vector2d bright = pixel_by_board.inverse() * (saddle.e0 + saddle.e1);
-    const Eigen::Vector2d inside = Eigen::Vector2d::Constant(0.02 * pitch_);
-    const bool main_black = board_.type->black(board_, points_[static_cast<std::size_t>(id)] + inside);
-    return (bright.x() * bright.y() > 0) != main_black;
-  }
-
   /// Those that moved with the others: the picture's motion is affine to within a part of a square.
   std::vector<Corner> without_strays(std::span<const Corner> expected,
                                      const std::vector<Corner>& found) const {
@@ -101,25 +61,6 @@ class Tracker {
       if (off.row(static_cast<Eigen::Index>(i)).norm() < 0.12 * spacing + 0.5) kept.push_back(found[i]);
     }
     return kept;
-  }
-
-  /// The corners, and after them where the board's others should be, one step from those.
-  std::vector<Corner> with_neighbours(const std::vector<Corner>& found) const {
-    std::vector<Corner> all = found;
-    std::vector<bool> known(points_.size(), false);
-    for (const Corner& corner : found) known[static_cast<std::size_t>(corner.id)] = true;
-    const auto lattice = neighbourhoods(points_, found);
-    for (std::size_t id = 0; id < points_.size(); ++id) {
-      for (std::size_t i = 0; i < found.size() && !known[id]; ++i) {
-        const Eigen::Vector2d step = (points_[id] - points_[static_cast<std::size_t>(found[i].id)]) / pitch_;
-        if (!lattice[i] || step.norm() > 1.01) continue;
-        const Eigen::Vector2d pixel =
-            found[i].pixel + lattice[i]->along[0] * step.x() + lattice[i]->along[1] * step.y();
-        all.push_back({static_cast<int>(id), pixel, Eigen::Matrix2d::Identity()});
-        known[id] = true;
-      }
-    }
-    return all;
   }
 
   /// Not a square or two away from where the ids say? A print that repeats itself is placed by its rim, any
@@ -197,6 +138,7 @@ class Tracker {
 
   const Board& board_;
   const Image& grey8_;
+  CornerSearch search_;
   std::vector<Eigen::Vector2d> points_;
   double pitch_;
 };

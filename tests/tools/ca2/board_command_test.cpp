@@ -69,9 +69,9 @@ TEST_P(BoardCommand, EveryPageIsFoundWhereItIsPrinted) {
       print(".svg");
       ASSERT_EQ(
           std::system(
-              ("rsvg-convert --dpi-x 100 --dpi-y 100 " + base.string() + ".svg -o " + page.string()).c_str()),
+              ("rsvg-convert --dpi-x 73 --dpi-y 73 " + base.string() + ".svg -o " + page.string()).c_str()),
           0);
-      expect_found(page, board, 100);
+      expect_found(page, board, 73);
       ++renders;
     }
     if (have("pdftocairo")) {
