@@ -30,7 +30,7 @@ Eigen::Vector3d dense_centre(const std::vector<Eigen::Vector3d>& points, double 
 
 /// rad between the ring of a cell and the next.
 double row_angle_at(const PatchContext& context, std::uint32_t cell) {
-  return context.image.row_angle[cell / static_cast<std::uint32_t>(context.image.columns)];
+  return context.image.row_angle[static_cast<std::size_t>(context.image.row(cell))];
 }
 
 /// How the rectangle is filled and how free its sides are, each 0..1.
@@ -57,7 +57,7 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
     if (distance < -margin) {
       if (ray.end == RayEnd::on) {
         ++on;
-        const int row = static_cast<int>(ray.cell) / context.image.columns;
+        const int row = context.image.row(ray.cell);
         evidence.rows += row != last_row;
         last_row = row;
       } else {
@@ -89,13 +89,13 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
 /// neighbours, so that it does not depend on the return's own noise.
 bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
   const RingImage& image = context.image;
-  const int row = static_cast<int>(cell) / image.columns, column = static_cast<int>(cell) % image.columns;
+  const int row = image.row(cell), column = image.column(cell);
   // Where rings lie farther apart than a beam is wide, the next one tells nothing.
   const bool close_rows = image.range[cell] * image.row_angle[static_cast<std::size_t>(row)] < 0.03f;
   for (const auto& [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
     if (row + dr < 0 || row + dr >= image.rows || (dr != 0 && !close_rows)) continue;
     const std::size_t i = image.index(row + dr, image.wrap(column + dc));
-    if (image.range[i] > 0 && std::abs(plane.distance(image.point[i].cast<double>())) > band) return true;
+    if (image.range[i] > 0 && std::abs(plane.distance(image.point(i).cast<double>())) > band) return true;
   }
   return false;
 }
@@ -111,8 +111,8 @@ std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Pla
     int side = 0;
     if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
     if (beside_other(context, placed.frame.plane, ray.cell, band)) continue;
-    const int row = static_cast<int>(ray.cell) / context.image.columns;
-    const int column = static_cast<int>(ray.cell) % context.image.columns;
+    const int row = context.image.row(ray.cell);
+    const int column = context.image.column(ray.cell);
     for (const std::uint32_t i :
          context.projection.cell(context.image.ring[static_cast<std::size_t>(row)], column)) {
       if (std::abs(placed.frame.plane.distance(context.scan.points[i].cast<double>())) < band)
@@ -150,7 +150,7 @@ std::optional<BoardCandidate> judge_region(const PatchContext& context, const Pl
   const double diagonal = std::hypot(context.width, context.height);
   double band = std::clamp(3.5 * context.noise, 0.02, 0.08);
   std::vector<Eigen::Vector3d> points;
-  for (const std::uint32_t cell : region.cells) points.push_back(context.image.point[cell].cast<double>());
+  for (const std::uint32_t cell : region.cells) points.push_back(context.image.point(cell).cast<double>());
   Eigen::Vector3d centre = dense_centre(points, 0.6 * diagonal);
   RangeFit fit = fit_ranges(points, region.plane);
   std::vector<std::uint32_t> returns;

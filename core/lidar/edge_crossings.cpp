@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 
+#include "core/lidar/projection.h"
+
 namespace ca2 {
 namespace {
 
@@ -37,13 +39,23 @@ class RimFinder {
     const Eigen::Vector3d& center = board.T_lidar_board.t;
     distance_ = center.head<2>().norm();
     azimuth_ = std::atan2(center.y(), center.x());
-    radius_ = 0.5 * std::hypot(board.width, board.height) + 0.25;
     band_ = std::max(0.02, 4 * board.noise);
+    // Beyond the rim as far as its neighbours lie: some columns, and a ring.
+    const double facing = std::clamp(-board.plane.normal.dot(center.normalized()), 0.2, 1.0);
+    const double gap = center.norm() * std::max(5 * projection.column_angle(), 1.5 * ring_gap()) / facing;
+    reach_ = slack + std::min(gap, 0.22);
+    radius_ = 0.5 * std::hypot(board.width, board.height) + reach_;
+    axis_ = center.normalized().cast<float>();
+    const double sine = std::min(1.0, radius_ / center.norm());
+    cosine_squared_ = static_cast<float>(1 - sine * sine) - 1e-4f;
+    R_board_lidar_ = board.T_lidar_board.R.transpose();
   }
 
   std::vector<EdgeCrossing> find() {
     if (!projection_.beams || distance_ < 1.1 * radius_) return {};
-    for (std::size_t r = 0; r < rings_.size(); ++r) rings_[r] = gather(static_cast<int>(r));
+    for (std::size_t r = 0; r < rings_.size(); ++r) {
+      if (reaches(r)) rings_[r] = gather(static_cast<int>(r));
+    }
     measure_step();
     if (!(step_ > 0)) return {};
     for (std::size_t r = 0; r < rings_.size(); ++r) add_ends(static_cast<std::uint16_t>(r));
@@ -57,15 +69,40 @@ class RimFinder {
            std::abs(sample.p_plate.y()) <= 0.5 * board_.height + slack;
   }
 
-  std::optional<Sample> look(const Eigen::Vector3d& p) const {
+  /// rad between neighbouring rings, the widest gap of those that reach the board's height.
+  double ring_gap() const {
+    double widest = 0, last = std::numeric_limits<double>::quiet_NaN();
+    const double middle = std::atan2(board_.T_lidar_board.t.z(), distance_);
+    for (const int ring : projection_.by_elevation) {
+      const double elevation = std::atan(projection_.slope[static_cast<std::size_t>(ring)]);
+      if (std::abs(elevation - middle) < 0.5 && elevation - last > widest) widest = elevation - last;
+      last = elevation;
+    }
+    return widest;
+  }
+
+  /// May this ring pass the board? Its steepest cone still meets the sphere round it.
+  bool reaches(std::size_t ring) const {
+    const double slope = projection_.slope[ring], height = projection_.height[ring];
+    return std::abs(height + slope * distance_ - board_.T_lidar_board.t.z()) <
+           radius_ * (1 + std::abs(slope));  // false for an empty ring
+  }
+
+  std::optional<Sample> look(const Eigen::Vector3f& point) const {
+    const float along = axis_.dot(point);
+    if (!(along > 0 && along * along > cosine_squared_ * point.squaredNorm())) return std::nullopt;
+    const Eigen::Vector3d p = point.cast<double>();
     const double range = p.norm();
     const double toward = -board_.plane.normal.dot(p) / range;
     if (!(toward > 0.02)) return std::nullopt;
     Sample sample;
     const double expected = board_.plane.offset / toward;
     sample.hit = expected / range * p;
-    const Eigen::Vector3d p_board = board_.T_lidar_board.inverse() * sample.hit;
-    if (p_board.norm() > radius_) return std::nullopt;
+    const Eigen::Vector3d p_board = R_board_lidar_ * (sample.hit - board_.T_lidar_board.t);
+    if (std::abs(p_board.x()) > 0.5 * board_.width + reach_ ||
+        std::abs(p_board.y()) > 0.5 * board_.height + reach_) {
+      return std::nullopt;
+    }
     sample.p_plate = p_board.head<2>();
     sample.azimuth = std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi);
     sample.behind = range - expected;
@@ -84,7 +121,7 @@ class RimFinder {
     for (int k = -half; k <= half; ++k) {
       const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
       for (const std::uint32_t i : projection_.cell(ring, column)) {
-        if (const auto sample = look(scan_.points[i].cast<double>())) all.push_back(*sample);
+        if (const auto sample = look(scan_.points[i])) all.push_back(*sample);
       }
     }
     std::stable_sort(all.begin(), all.end(),
@@ -221,9 +258,13 @@ class RimFinder {
   const RimSearch& board_;
   std::vector<Ring> rings_;
   double distance_ = 0, azimuth_ = 0;  ///< of the board's centre: horizontal, m; rad
-  double radius_ = 0;                  ///< m
-  double band_ = 0;                    ///< m
-  double step_ = 0;                    ///< rad
+  double reach_ = 0;                   ///< m, beyond the rim
+  double radius_ = 0;                  ///< m, of all that is looked at
+  Eigen::Vector3f axis_;               ///< towards the board's centre, unit
+  float cosine_squared_ = 0;           ///< of the cone round it that holds the board
+  Eigen::Matrix3d R_board_lidar_;
+  double band_ = 0;  ///< m
+  double step_ = 0;  ///< rad
   bool regular_ = false;
   std::vector<EdgeCrossing> crossings_;
 };

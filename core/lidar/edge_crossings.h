@@ -7,10 +7,11 @@
 
 #include "core/geometry/plane.h"
 #include "core/geometry/pose.h"
-#include "core/lidar/projection.h"
 #include "core/types/scan.h"
 
 namespace ca2 {
+
+struct Projection;
 
 /// The rim of the board lies between two neighbouring rays, of which one ended on the board. That is all a
 /// scan says about it, and it does not depend on the noise of the ranges.

@@ -54,12 +54,13 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
       if (!image.in_view[static_cast<std::size_t>(column)]) continue;
       const std::size_t i = image.index(row, column);
       const bool absent = image.range[i] == 0;
-      const Eigen::Vector3f& p = image.point[i];
+      Eigen::Vector3f p = Eigen::Vector3f::Zero();
       float cx, cy;
       if (absent) {
         const float angle = std::numbers::pi_v<float> - static_cast<float>(column) * image.column_angle;
         cx = std::cos(angle), cy = std::sin(angle);
       } else {
+        p = image.point(i);
         const float scale = 1 / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), 1e-3f);
         cx = p.x() * scale, cy = p.y() * scale;
       }

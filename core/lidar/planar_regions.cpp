@@ -64,7 +64,7 @@ class RegionGrower {
   /// A plane through the surroundings of a cell, as far as the board's short side allows. Where rings lie
   /// far apart the patch is the cell's ring and the one above.
   std::optional<PlaneSums::Fit> fit_seed(int row, int column) const {
-    const Eigen::Vector3f& centre = image_.point[image_.index(row, column)];
+    const Eigen::Vector3f& centre = image_.point(image_.index(row, column));
     const float range = image_.range[image_.index(row, column)], reach = 0.3f * short_side_;
     const float gap = row_gap(row, range);
     const int below = std::min(row, static_cast<int>(reach / gap));
@@ -78,8 +78,8 @@ class RegionGrower {
       for (int c = column - half; c <= column + half; c += column_step) {
         ++cells;
         const std::size_t i = image_.index(r, image_.wrap(c));
-        if (image_.range[i] > 0 && (image_.point[i] - centre).squaredNorm() < limit)
-          sums.add(image_.point[i]);
+        if (image_.range[i] > 0 && (image_.point(i) - centre).squaredNorm() < limit)
+          sums.add(image_.point(i));
       }
     }
     if (sums.count() < 6 || sums.count() * 4 < cells * 3) return std::nullopt;
@@ -111,7 +111,7 @@ class RegionGrower {
   std::optional<PlanarRegion> grow(int seed_row, int seed_column, const PlaneSums::Fit& seed) {
     ++stamp_;
     PlaneSums::Fit plane = seed;
-    const Eigen::Vector3f start = image_.point[image_.index(seed_row, seed_column)];
+    const Eigen::Vector3f start = image_.point(image_.index(seed_row, seed_column));
     const float reach = diagonal_ * diagonal_ * 1.1f;
     // The same to both sides of the plane; returns on a grazing surface scatter less across it.
     const float band = std::clamp(3.5f * noise_ * std::max(0.4f, plane.offset / start.norm()), 0.02f, 0.08f);
@@ -128,7 +128,7 @@ class RegionGrower {
       const std::size_t i = image_.index(row, column);
       // The rest of a wall was claimed before.
       if (wall && claims_[i] == kWall) continue;
-      const Eigen::Vector3f& p = image_.point[i];
+      const Eigen::Vector3f& p = image_.point(i);
       if (std::abs(plane.normal.dot(p) + plane.offset) > band) continue;
       on_walls += claims_[i] == kWall;
       member_.push_back(static_cast<std::uint32_t>(i));

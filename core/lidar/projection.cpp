@@ -10,48 +10,84 @@ namespace {
 
 /// Per ring the straight line z = height + slope * rho through its returns: beams of one ring lie on a cone
 /// whose apex need not be the origin. A ring whose returns are all equally far says nothing about the apex,
-/// which then is taken for the origin: the ridge stands for a prior of about 0.2 m.
-void fit_cones(const Scan& scan, const RingIds& rings, Projection& out) {
-  struct Sums {
-    double n = 0, r = 0, rr = 0, z = 0, rz = 0;
-  };
-  std::vector<Sums> sums(static_cast<std::size_t>(rings.rings));
-  const std::size_t step = scan.size() > 60000 ? 3 : 1;
-  for (std::size_t i = 0; i < scan.size(); i += step) {
-    if (rings.ring[i] == RingIds::none) continue;
-    const Eigen::Vector3f& p = scan.points[i];
-    const double r = std::sqrt(p.x() * p.x() + p.y() * p.y());
-    Sums& s = sums[rings.ring[i]];
-    s.n += 1, s.r += r, s.rr += r * r, s.z += p.z(), s.rz += r * p.z();
-  }
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  out.slope.assign(sums.size(), nan);
-  out.height.assign(sums.size(), 0);
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    const Sums& s = sums[k];
-    if (s.n == 0 || s.rr == 0) continue;
-    const double n = s.n + (rings.beams ? 0.02 : 1e12), determinant = n * s.rr - s.r * s.r;
-    out.height[k] = static_cast<float>((s.z * s.rr - s.r * s.rz) / determinant);
-    out.slope[k] = static_cast<float>((s.rz - out.height[k] * s.r) / s.rr);
-    out.by_elevation.push_back(static_cast<int>(k));
+/// which then is taken for the origin: the ridge stands for a prior of about 0.2 m. Some hundred returns of a
+/// ring tell it: noise along a beam does not leave the cone.
+void fit_cones(const Scan& scan, Projection& out) {
+  out.slope.assign(static_cast<std::size_t>(out.rings), std::numeric_limits<float>::quiet_NaN());
+  out.height.assign(static_cast<std::size_t>(out.rings), 0);
+  out.by_elevation.clear();
+  for (int ring = 0; ring < out.rings; ++ring) {
+    double n = 0, sum_r = 0, sum_rr = 0, sum_z = 0, sum_rz = 0;
+    // Rings with few returns tell by all they have.
+    for (int step = std::max(1, out.columns / 192); step > 0 && n<24; step = step> 1 ? 1 : 0) {
+      n = sum_r = sum_rr = sum_z = sum_rz = 0;
+      for (int column = 0; column < out.columns; column += step) {
+        for (const std::uint32_t i : out.cell(ring, column)) {
+          const Eigen::Vector3f& p = scan.points[i];
+          const double r = std::sqrt(p.x() * p.x() + p.y() * p.y());
+          n += 1, sum_r += r, sum_rr += r * r, sum_z += p.z(), sum_rz += r * p.z();
+        }
+      }
+    }
+    if (n == 0 || sum_rr == 0) continue;
+    const double weight = n + (out.beams ? 0.02 : 1e12), determinant = weight * sum_rr - sum_r * sum_r;
+    const double height = (sum_z * sum_rr - sum_r * sum_rz) / determinant;
+    const auto k = static_cast<std::size_t>(ring);
+    out.height[k] = static_cast<float>(height);
+    out.slope[k] = static_cast<float>((sum_rz - out.height[k] * sum_r) / sum_rr);
+    out.by_elevation.push_back(ring);
   }
   std::sort(out.by_elevation.begin(), out.by_elevation.end(), [&](int a, int b) {
     return out.slope[static_cast<std::size_t>(a)] < out.slope[static_cast<std::size_t>(b)];
   });
 }
 
-template <class Value>
-std::vector<float> nearest_image(const Projection& projection, const Scan& scan, Value value) {
-  std::vector<float> image(static_cast<std::size_t>(projection.rings) * projection.columns, 0.0f);
-  for (std::size_t i = 0; i < image.size(); ++i) {
-    float nearest = std::numeric_limits<float>::max();
-    for (std::uint32_t k = projection.first[i]; k < projection.first[i + 1]; ++k) {
-      const std::uint32_t index = projection.returns[k];
-      const float range = scan.points[index].norm();
-      if (range < nearest) nearest = range, image[i] = value(index, range);
-    }
+/// Every return that has a place, with its cell and range (m), to `take`, until that says false.
+template <class Take>
+bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Take take) {
+  const std::vector<std::uint16_t>& ring = rings.of(scan);
+  const std::vector<std::uint32_t>& column = columns.of(scan);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector3f& p = scan.points[i];
+    if (ring[i] == RingIds::none || !is_return(p)) continue;
+    const std::size_t cell =
+        static_cast<std::size_t>(ring[i]) * columns.columns + columns.column(column[i], ring[i]);
+    if (!take(static_cast<std::uint32_t>(i), cell, std::sqrt(p.squaredNorm()))) return false;
   }
-  return image;
+  return true;
+}
+
+/// One sweep of most sensors: a place for every cell. False when some cell has two returns.
+bool fill_one_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
+  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.columns;
+  out.first.clear();
+  out.returns.assign(cells, Projection::none);
+  out.range.assign(cells, 0.0f);
+  return for_each_return(scan, rings, columns, [&](std::uint32_t i, std::size_t cell, float range) {
+    if (out.returns[cell] != Projection::none) return false;
+    out.returns[cell] = i;
+    out.range[cell] = range;
+    return true;
+  });
+}
+
+/// Counting sort by cell; the scan's order is kept within a cell.
+void fill_many_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
+  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.columns;
+  out.first.assign(cells + 1, 0);
+  out.range.assign(cells, 0.0f);
+  for_each_return(scan, rings, columns, [&](std::uint32_t, std::size_t cell, float range) {
+    ++out.first[cell + 1];
+    if (out.range[cell] == 0 || range < out.range[cell]) out.range[cell] = range;
+    return true;
+  });
+  for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
+  out.returns.resize(out.first.back());
+  std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
+  for_each_return(scan, rings, columns, [&](std::uint32_t i, std::size_t cell, float) {
+    out.returns[next[cell]++] = i;
+    return true;
+  });
 }
 
 }  // namespace
@@ -60,39 +96,29 @@ double Projection::column_angle() const {
   return 2 * std::numbers::pi / std::max(columns, 1);
 }
 
-Projection project_by_id(const Scan& scan) {
+Projection project_by_id(const Scan& scan, Projection spare) {
   const RingIds rings = find_rings(scan);
   const ColumnIds columns = find_columns(scan, rings);
-  Projection out;
+  Projection out = std::move(spare);
   out.rings = rings.rings;
   out.columns = columns.columns;
   out.beams = rings.beams;
-  // Counting sort by cell; the scan's order is kept within a cell.
-  out.first.assign(static_cast<std::size_t>(out.rings) * out.columns + 1, 0);
-  const auto cell_of = [&](std::size_t i) {
-    return static_cast<std::size_t>(rings.ring[i]) * out.columns + columns.column[i];
-  };
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (rings.ring[i] != RingIds::none) ++out.first[cell_of(i) + 1];
-  }
-  for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
-  out.returns.resize(out.first.back());
-  std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (rings.ring[i] != RingIds::none) out.returns[next[cell_of(i)]++] = static_cast<std::uint32_t>(i);
-  }
-  fit_cones(scan, rings, out);
+  if (!fill_one_per_cell(scan, rings, columns, out)) fill_many_per_cell(scan, rings, columns, out);
+  fit_cones(scan, out);
   return out;
 }
 
-std::vector<float> range_image(const Projection& projection, const Scan& scan) {
-  return nearest_image(projection, scan, [](std::uint32_t, float range) { return range; });
-}
-
 std::vector<float> intensity_image(const Projection& projection, const Scan& scan) {
-  const bool known = scan.intensity.size() == scan.size();
-  return nearest_image(projection, scan,
-                       [&](std::uint32_t i, float) { return known ? scan.intensity[i] : 0.0f; });
+  std::vector<float> image(projection.range.size(), 0.0f);
+  if (scan.intensity.size() != scan.size()) return image;
+  for (std::size_t cell = 0; cell < image.size(); ++cell) {
+    float nearest = std::numeric_limits<float>::max();
+    for (const std::uint32_t i : projection.cell(cell)) {
+      const float range = scan.points[i].norm();
+      if (range < nearest) nearest = range, image[cell] = scan.intensity[i];
+    }
+  }
+  return image;
 }
 
 }  // namespace ca2

@@ -26,35 +26,57 @@ Eigen::Vector3f gathered_point(const Scan& scan, std::span<const std::uint32_t> 
   return sum / count;
 }
 
+void gather_cells(const Projection& projection, const Scan& scan, RingImage& image) {
+  const std::size_t cells = projection.range.size();
+  image.gathered.clear();
+  image.gathered_range.assign(cells, 0.0f);
+  image.gathered_place.assign(cells, 0);
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < cells; ++i) {
+    const auto cell = projection.cell(i);
+    if (cell.empty()) continue;
+    image.gathered_place[i] = static_cast<std::uint32_t>(image.gathered.size());
+    image.gathered.push_back(cell.size() == 1 ? scan.points[cell[0]] : gathered_point(scan, cell, ranges));
+    image.gathered_range[i] = image.gathered.back().norm();
+  }
+  image.points = image.gathered;
+  image.range = image.gathered_range;
+  image.place = image.gathered_place;
+}
+
 }  // namespace
 
-RingImage make_ring_image(const Projection& projection, const Scan& scan) {
-  RingImage image;
+RingImage make_ring_image(const Projection& projection, const Scan& scan, RingImage spare) {
+  RingImage image = std::move(spare);
   image.rows = static_cast<int>(projection.by_elevation.size());
   image.columns = projection.columns;
   image.column_angle = static_cast<float>(projection.column_angle());
   image.ring = projection.by_elevation;
-  for (const int ring : image.ring) {
-    image.slope.push_back(projection.slope[static_cast<std::size_t>(ring)]);
-    image.height.push_back(projection.height[static_cast<std::size_t>(ring)]);
+  image.row_of.assign(static_cast<std::size_t>(projection.rings), 0);
+  image.slope.clear();
+  image.height.clear();
+  image.row_angle.clear();
+  for (int row = 0; row < image.rows; ++row) {
+    const auto ring = static_cast<std::size_t>(image.ring[static_cast<std::size_t>(row)]);
+    image.row_of[ring] = row;
+    image.slope.push_back(projection.slope[ring]);
+    image.height.push_back(projection.height[ring]);
   }
   for (std::size_t row = 0; row + 1 < image.slope.size(); ++row) {
     image.row_angle.push_back(std::atan(image.slope[row + 1]) - std::atan(image.slope[row]));
   }
   if (image.rows > 0) image.row_angle.push_back(image.rows > 1 ? image.row_angle.back() : 1.0f);
-  const std::size_t cells = static_cast<std::size_t>(image.rows) * image.columns;
-  image.range.assign(cells, 0.0f);
-  image.point.assign(cells, Eigen::Vector3f::Zero());
+  if (projection.one_per_cell()) {
+    image.points = scan.points;
+    image.range = projection.range;
+    image.place = projection.returns;
+  } else {
+    gather_cells(projection, scan, image);
+  }
   image.in_view.assign(static_cast<std::size_t>(image.columns), 0);
-  std::vector<float> ranges;
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.columns; ++column) {
-      const auto cell = projection.cell(image.ring[static_cast<std::size_t>(row)], column);
-      if (cell.empty()) continue;
-      const std::size_t i = image.index(row, column);
-      image.point[i] = cell.size() == 1 ? scan.points[cell[0]] : gathered_point(scan, cell, ranges);
-      image.range[i] = image.point[i].norm();
-      image.in_view[static_cast<std::size_t>(column)] = 1;
+  for (int column = 0; column < image.columns; ++column) {
+    for (int row = 0; row < image.rows && !image.in_view[static_cast<std::size_t>(column)]; ++row) {
+      image.in_view[static_cast<std::size_t>(column)] = image.range[image.index(row, column)] > 0;
     }
   }
   return image;

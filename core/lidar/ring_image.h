@@ -11,24 +11,43 @@
 
 namespace ca2 {
 
-/// The neighbourhood of the finder. Columns wrap around.
+/// The neighbourhood of the finder: the cells of a projection, whose columns wrap around. Looks into the
+/// projection and the scan it was made from, which must outlive it.
 struct RingImage {
+  RingImage() = default;
+  RingImage(RingImage&&) = default;
+  RingImage& operator=(RingImage&&) = default;
+
   int rows = 0;  ///< rings with returns, lowest first
   int columns = 0;
-  float column_angle = 0;              ///< rad
-  std::vector<int> ring;               ///< [row] the projection's ring
-  std::vector<float> slope, height;    ///< [row] the cone, as in Projection
-  std::vector<float> row_angle;        ///< [row] rad to the next row (the last: from the one before)
-  std::vector<float> range;            ///< [row * columns + column] m, from the origin; 0: nothing came back
-  std::vector<Eigen::Vector3f> point;  ///< m; mean of the cell's returns where they agree
-  std::vector<std::uint8_t> in_view;   ///< [column] something came back in some row
+  float column_angle = 0;             ///< rad
+  std::vector<int> ring;              ///< [row] the projection's ring
+  std::vector<int> row_of;            ///< [ring]
+  std::vector<float> slope, height;   ///< [row] the cone, as in Projection
+  std::vector<float> row_angle;       ///< [row] rad to the next row (the last: from the one before)
+  std::span<const float> range;       ///< [cell] m, from the origin; 0: nothing came back
+  std::vector<std::uint8_t> in_view;  ///< [column] something came back in some row
 
-  std::size_t index(int row, int column) const { return static_cast<std::size_t>(row) * columns + column; }
+  /// The projection's cell.
+  std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(ring[static_cast<std::size_t>(row)]) * columns + column;
+  }
+  int row(std::size_t cell) const { return row_of[cell / static_cast<std::size_t>(columns)]; }
+  int column(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(columns)); }
   int wrap(int column) const {
     return column < 0 ? column + columns : column >= columns ? column - columns : column;
   }
+  /// m; mean of the cell's returns where they agree. Only where there are some.
+  const Eigen::Vector3f& point(std::size_t cell) const { return points[place[cell]]; }
+
+  std::span<const Eigen::Vector3f> points;
+  std::span<const std::uint32_t> place;   ///< [cell] into `points`
+  std::vector<Eigen::Vector3f> gathered;  ///< what they look into where cells have several returns
+  std::vector<float> gathered_range;
+  std::vector<std::uint32_t> gathered_place;
 };
 
-RingImage make_ring_image(const Projection& projection, const Scan& scan);
+/// `spare`: an image that is no longer needed, for its memory.
+RingImage make_ring_image(const Projection& projection, const Scan& scan, RingImage spare = {});
 
 }  // namespace ca2

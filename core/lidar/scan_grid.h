@@ -28,19 +28,33 @@ inline bool is_return(const Eigen::Vector3f& p) {
   return square > 1e-4f && square < 1e8f;
 }
 
-/// A ring for every return, `none` for missing ones.
+/// A ring for every return, `none` for those that have no place. Missing returns may have one.
 struct RingIds {
   static constexpr std::uint16_t none = 0xffff;
-  std::vector<std::uint16_t> ring;
+  std::vector<std::uint16_t> found;  ///< empty: the scan's own
   int rings = 0;
   bool beams = false;  ///< they are the sensor's beams, not slices of elevation
+
+  const std::vector<std::uint16_t>& of(const Scan& scan) const { return found.empty() ? scan.ring : found; }
 };
 RingIds find_rings(const Scan& scan);
 
-/// A column for every return (meaningless where the ring is `none`).
+/// A column for every return (meaningless where the ring is `none`): the given or found id, counted backwards
+/// if so, and shifted with its ring.
 struct ColumnIds {
-  std::vector<std::uint32_t> column;
+  std::vector<std::uint32_t> found;  ///< empty: the scan's own
   int columns = 0;
+  bool backwards = false;
+  std::vector<std::uint32_t> shift;  ///< [ring], below `columns`
+
+  const std::vector<std::uint32_t>& of(const Scan& scan) const { return found.empty() ? scan.column : found; }
+  std::uint32_t column(std::uint32_t id, std::uint16_t ring) const {
+    const auto count = static_cast<std::uint32_t>(columns);
+    if (id >= count) id %= count;
+    if (backwards && id > 0) id = count - id;
+    id += shift[ring];
+    return id >= count ? id - count : id;
+  }
 };
 ColumnIds find_columns(const Scan& scan, const RingIds& rings);
 

@@ -17,10 +17,6 @@ RingIds given_rings(const Scan& scan) {
   if (highest >= kMaxRings) return ids;
   ids.rings = std::max(highest + 1, std::min(scan.rings, kMaxRings));
   ids.beams = true;
-  ids.ring = scan.ring;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (!is_return(scan.points[i])) ids.ring[i] = RingIds::none;
-  }
   return ids;
 }
 
@@ -83,7 +79,8 @@ bool rings_by_index(const Scan& scan, RingIds& ids) {
     const bool by_firing = on_cones(scan, rings, firing);
     if (!by_firing && !on_cones(scan, rings, row)) continue;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (is_return(scan.points[i])) ids.ring[i] = static_cast<std::uint16_t>(by_firing ? firing(i) : row(i));
+      if (is_return(scan.points[i]))
+        ids.found[i] = static_cast<std::uint16_t>(by_firing ? firing(i) : row(i));
     }
     ids.rings = rings;
     ids.beams = true;
@@ -104,7 +101,7 @@ int slice_count(std::size_t returns, float field) {
 RingIds find_rings(const Scan& scan) {
   RingIds ids = given_rings(scan);
   if (ids.beams) return ids;
-  ids.ring.assign(scan.size(), RingIds::none);
+  ids.found.assign(scan.size(), RingIds::none);
   if (rings_by_index(scan, ids)) return ids;
   std::vector<float> elevation(scan.size(), 0);
   float low = 2, high = -2;
@@ -115,29 +112,30 @@ RingIds find_rings(const Scan& scan) {
     elevation[i] = std::atan2(p.z(), std::hypot(p.x(), p.y()));
     low = std::min(low, elevation[i]);
     high = std::max(high, elevation[i]);
-    ids.ring[i] = 0;
+    ids.found[i] = 0;
     ++returns;
   }
   if (returns == 0) return ids;
   std::vector<int> histogram(static_cast<std::size_t>((high - low) / kBin) + 1, 0);
   const auto bin = [&](std::size_t i) { return static_cast<std::size_t>((elevation[i] - low) / kBin); };
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (ids.ring[i] != RingIds::none) ++histogram[bin(i)];
+    if (ids.found[i] != RingIds::none) ++histogram[bin(i)];
   }
   if (const std::vector<int> ring_of_bin = cluster_bins(histogram, returns); !ring_of_bin.empty()) {
     ids.beams = true;
     ids.rings = *std::max_element(ring_of_bin.begin(), ring_of_bin.end()) + 1;
     for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (ids.ring[i] == RingIds::none) continue;
+      if (ids.found[i] == RingIds::none) continue;
       const int ring = ring_of_bin[bin(i)];
-      ids.ring[i] = ring < 0 ? RingIds::none : static_cast<std::uint16_t>(ring);
+      ids.found[i] = ring < 0 ? RingIds::none : static_cast<std::uint16_t>(ring);
     }
     return ids;
   }
   ids.rings = slice_count(static_cast<std::size_t>(returns), high - low);
   const float slice = (high - low) / static_cast<float>(ids.rings) * 1.0001f + 1e-9f;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (ids.ring[i] != RingIds::none) ids.ring[i] = static_cast<std::uint16_t>((elevation[i] - low) / slice);
+    if (ids.found[i] != RingIds::none)
+      ids.found[i] = static_cast<std::uint16_t>((elevation[i] - low) / slice);
   }
   return ids;
 }

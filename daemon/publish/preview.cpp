@@ -95,8 +95,7 @@ Result<Preview> preview_of(const LidarObservation& observation, int width) {
     return fail(ErrorCode::unavailable, "", "there is no scan yet");
   }
   const Projection projection = project_by_id(*observation.scan);
-  const std::vector<float> range = range_image(projection, *observation.scan);
-  if (range.empty()) return fail(ErrorCode::unavailable, "", "the scan has no returns");
+  if (projection.range.empty()) return fail(ErrorCode::unavailable, "", "the scan has no returns");
   const int step = std::max(1, (projection.columns + width - 1) / width);
   // Few rings are drawn thick, so that the picture is not a line.
   const int rings = static_cast<int>(projection.by_elevation.size());
@@ -118,7 +117,7 @@ Result<Preview> preview_of(const LidarObservation& observation, int width) {
       float nearest = 0;
       bool board = false;
       for (int column = x * step; column < std::min(projection.columns, (x + 1) * step); ++column) {
-        const float r = range[static_cast<std::size_t>(ring) * projection.columns + column];
+        const float r = projection.range[projection.index(ring, column)];
         if (r > 0 && (nearest == 0 || r < nearest)) nearest = r;
         for (const std::uint32_t i : projection.cell(ring, column)) {
           board |= on_board(observation.scan->points[i].cast<double>());

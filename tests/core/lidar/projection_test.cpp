@@ -44,9 +44,14 @@ TEST(Projection, every_return_has_one_cell_in_every_form) {
          {ScanForm::full, ScanForm::nan_grid, ScanForm::rings, ScanForm::bare, ScanForm::shuffled}) {
       const Scene scene = make_scene(sensor(), {0.9, 0.7, 2, 4, 0.5, false}, form, 5);
       const Projection projection = project_by_id(scene.scan);
-      EXPECT_EQ(projection.returns.size(), good_returns(scene.scan));
-      EXPECT_EQ(std::set<std::uint32_t>(projection.returns.begin(), projection.returns.end()).size(),
-                projection.returns.size());
+      std::vector<std::uint32_t> placed;
+      for (std::size_t cell = 0; cell < projection.range.size(); ++cell) {
+        const auto returns = projection.cell(cell);
+        EXPECT_EQ(projection.range[cell] > 0, !returns.empty());
+        placed.insert(placed.end(), returns.begin(), returns.end());
+      }
+      EXPECT_EQ(placed.size(), good_returns(scene.scan));
+      EXPECT_EQ(std::set<std::uint32_t>(placed.begin(), placed.end()).size(), placed.size());
       EXPECT_TRUE(projection.beams);
       EXPECT_EQ(projection.rings, static_cast<int>(sensor().elevation.size()));
       EXPECT_NEAR(projection.columns, sensor().columns, 0.02 * sensor().columns);
@@ -98,13 +103,13 @@ TEST(Projection, images_show_the_nearest_return) {
   scan.intensity = {10, 20, 30};
   scan.ring = {0, 0, 0};
   const Projection projection = project_by_id(scan);
-  const std::vector<float> range = range_image(projection, scan),
-                           intensity = intensity_image(projection, scan);
-  std::multiset<float> bright;
-  for (std::size_t i = 0; i < range.size(); ++i) {
-    if (range[i] > 0) bright.insert(intensity[i]);
+  const std::vector<float> intensity = intensity_image(projection, scan);
+  std::multiset<float> bright, near;
+  for (std::size_t i = 0; i < intensity.size(); ++i) {
+    if (projection.range[i] > 0) bright.insert(intensity[i]), near.insert(std::round(projection.range[i]));
   }
   EXPECT_EQ(bright, (std::multiset<float>{20, 30}));
+  EXPECT_EQ(near, (std::multiset<float>{2, 5}));
 }
 
 }  // namespace
