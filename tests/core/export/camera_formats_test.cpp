@@ -107,9 +107,20 @@ TEST(OpencvExport, SeveralLidarsAreAList) {
   }
 }
 
-TEST(CameraInfoExport, HasTheKeysOfRos) {
+/// Numbers of a YAML sequence against ours.
+void expect_numbers(const YAML::Node& list, const std::vector<double>& expected) {
+  ASSERT_EQ(list.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(list[i].as<double>(), expected[i], 1e-9) << i;
+}
+
+TEST(CameraInfoExport, HasTheKeysAndNumbersOfRos) {
   const Example e = example();
   const YAML::Node left = YAML::Load(exported(e.request, "camera_info", "left.yaml"));
+  const std::vector<double> l = parameters(e.request.calibration.cameras.at("left").camera);
+  expect_numbers(left["camera_matrix"]["data"], {l[0], 0, l[2], 0, l[1], l[3], 0, 0, 1});
+  expect_numbers(left["distortion_coefficients"]["data"], {l[4], l[5], l[6], l[7], l[8]});
+  expect_numbers(left["rectification_matrix"]["data"], {1, 0, 0, 0, 1, 0, 0, 0, 1});
+  expect_numbers(left["projection_matrix"]["data"], {l[0], 0, l[2], 0, 0, l[1], l[3], 0, 0, 0, 1, 0});
   EXPECT_EQ(left["camera_name"].as<std::string>(), "left");
   EXPECT_EQ(left["distortion_model"].as<std::string>(), "plumb_bob");
   EXPECT_EQ(left["distortion_coefficients"]["data"].size(), 5u);
@@ -119,7 +130,9 @@ TEST(CameraInfoExport, HasTheKeysOfRos) {
   EXPECT_EQ(left["projection_matrix"]["data"][2].as<double>(), left["camera_matrix"]["data"][2].as<double>());
   const YAML::Node right = YAML::Load(exported(e.request, "camera_info", "right.yaml"));
   EXPECT_EQ(right["distortion_model"].as<std::string>(), "equidistant");
-  EXPECT_EQ(right["distortion_coefficients"]["data"].size(), 4u);
+  const std::vector<double> r = parameters(e.request.calibration.cameras.at("right").camera);
+  expect_numbers(right["camera_matrix"]["data"], {r[0], 0, r[2], 0, r[1], r[3], 0, 0, 1});
+  expect_numbers(right["distortion_coefficients"]["data"], {r[4], r[5], r[6], r[7]});
 }
 
 TEST(CameraInfoExport, RefusesPosesAndSizesItCannotHave) {
@@ -150,6 +163,9 @@ TEST(KalibrExport, ChainAndLidars) {
   EXPECT_EQ(chain["cam0"]["distortion_model"].as<std::string>(), "radtan");
   EXPECT_EQ(chain["cam0"]["cam_overlaps"][0].as<int>(), 1);
   EXPECT_EQ(chain["cam1"]["distortion_model"].as<std::string>(), "equidistant");
+  const std::vector<double> r = parameters(e.request.calibration.cameras.at("right").camera);
+  expect_numbers(chain["cam1"]["intrinsics"], {r[0], r[1], r[2], r[3]});
+  expect_numbers(chain["cam1"]["distortion_coeffs"], {r[4], r[5], r[6], r[7]});
   expect_same(matrix(chain["cam1"]["T_cn_cnm1"]), e.T_left_right.inverse());
   expect_same(matrix(chain["cam0"]["T_cam_side_lidar"]), e.T_left_side);
   expect_same(matrix(chain["cam1"]["T_cam_top_lidar"]), e.T_left_right.inverse() * e.T_left_top);
