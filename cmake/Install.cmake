@@ -42,7 +42,8 @@ endif()
 install(TARGETS ca2_options ca2_core ca2_drivers EXPORT ca2_targets ARCHIVE COMPONENT libca2-dev)
 foreach(layer core drivers)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${layer} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ca2 COMPONENT libca2-dev
-          FILES_MATCHING PATTERN "*.h" PATTERN "*.def")
+          FILES_MATCHING PATTERN "*.h" PATTERN "*.def"
+          PATTERN models EXCLUDE PATTERN formats EXCLUDE PATTERN sources EXCLUDE)  # directories without headers
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/messages/lcm DESTINATION ${CMAKE_INSTALL_DATADIR}/ca2 COMPONENT libca2-dev)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/ca2)

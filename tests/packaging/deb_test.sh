@@ -27,7 +27,7 @@ fi
 # Every link between the installed manuals leads somewhere.
 (cd "$work/ca2/usr/share/doc/ca2" && grep -oE '\]\([a-z0-9/_.-]+\)' -- *.md | tr -d ']()' | sort -u |
   while IFS=: read -r page link; do [ -e "${link#docs/}" ] || { echo "$page: broken link $link"; exit 1; }; done)
-"$here/consumer_test.sh" "$work/libca2-dev/usr"
+"$here/consumer_test.sh" "$work/libca2-dev/usr" "$work/ca2/usr/bin/ca2"
 echo "packages: sound"
 
 [ "${CA2_CLEAN_ROOT:-}" = 1 ] || { echo "not installed: CA2_CLEAN_ROOT is not 1"; exit 0; }
