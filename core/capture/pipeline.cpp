@@ -7,6 +7,7 @@
 #include "core/capture/gates.h"
 #include "core/capture/held_view.h"
 #include "core/capture/next_view.h"
+#include "core/capture/sensor_status.h"
 #include "core/capture/stored_form.h"
 #include "core/features/lidar_sights.h"
 #include "core/types/text.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr std::size_t fewest_views = 3;
 // While a hold is refused, it is looked at again so often: something in the way may go.
 constexpr std::int64_t retry = 100'000'000;  // ns
+// Where data comes late, a hold seems to end and to begin again: what was said of it is not said anew.
+constexpr std::int64_t one_refusal = 3'000'000'000;  // ns
 
 // Sensors deliver out of order by less; a clock that runs backwards by more was set.
 constexpr std::int64_t set_back = 2'000'000'000;  // ns
@@ -33,6 +36,10 @@ struct Hold {
 };
 
 enum class Request { none, when_still, at_once };
+
+std::string same_pose(int id) {
+  return formatted("view %d shows this pose already: move or tilt the board", id);
+}
 
 }  // namespace
 
@@ -56,6 +63,8 @@ struct CapturePipeline::State {
   Assessment assessment;
   std::int64_t now = 0;
   std::string last_event;
+  std::string refused;            ///< the newest refusal, or what will be said of the view just taken
+  std::int64_t refused_time = 0;  ///< ns
   std::optional<NextPose> next;
 
   State(Rig rig_in, CaptureOptions options_in, std::vector<ViewSights> views_in)
@@ -130,19 +139,24 @@ struct CapturePipeline::State {
     }
     if (refusal.empty() && !manual) {
       if (const auto same = known.find_same(pose)) {
-        refusal = formatted("view %d shows this pose already: move or tilt the board", *same);
+        refusal = same_pose(*same);
         hold.decided = true;
       }
     }
     if (!refusal.empty()) {
       hold.reason = refusal;
-      if (!hold.told || manual) say(actions, newest, "rejected", refusal);
+      const bool again = refusal == refused && newest - refused_time < one_refusal;
+      if ((!hold.told && !again) || manual) say(actions, newest, "rejected", refusal);
+      refused = std::move(refusal);
+      refused_time = newest;
       hold.told = true;
       if (at_once) request = Request::none;
       return;
     }
     request = Request::none;
     hold.decided = true;
+    refused = same_pose(next_id);
+    refused_time = newest;
     pose.id = next_id;
     known.add(std::move(pose));
     writing = next_id;
@@ -214,44 +228,6 @@ struct CapturePipeline::State {
                       : options.automatic       ? "hold it still"
                                                 : "still: capture when you like";
     }
-  }
-
-  SensorStatus describe_camera(std::size_t c, std::int64_t time) const {
-    const CameraTrack& camera = tracks.cameras[c];
-    SensorStatus status;
-    status.name = tracks.camera_names[c];
-    status.is_camera = true;
-    status.silent = camera.rhythm().silent(time);
-    status.rate = status.silent ? 0 : camera.rhythm().rate();
-    status.frames = camera.frames();
-    status.shed = camera.shed();
-    status.sees_board = !status.silent && camera.newest() && !camera.newest()->corners.empty();
-    const auto still = camera.stillness(time, options.board_motion, options.dwell);
-    status.motion = still ? still->motion : std::nan("");
-    status.motion_limit = still ? still->limit : std::nan("");
-    return status;
-  }
-
-  SensorStatus describe_lidar(std::size_t l, std::int64_t time) const {
-    const LidarTrack& lidar = tracks.lidars[l];
-    SensorStatus status;
-    status.name = tracks.lidar_names[l];
-    status.silent = lidar.rhythm().silent(time);
-    status.rate = status.silent ? 0 : lidar.rhythm().rate();
-    status.frames = lidar.frames();
-    status.shed = lidar.shed();
-    status.motion = std::nan("");
-    status.motion_limit = options.lidar_motion;
-    if (status.silent || !lidar.newest()) return status;
-    // What is new to the room and moves least, over the dwell.
-    const auto window = static_cast<std::int64_t>(1e9 * options.dwell) + lidar.period();
-    for (const LidarHold& held :
-         LidarTrack::follow(lidar.within(lidar.newest()->time - window, lidar.newest()->time + window))) {
-      if (!(held.novelty > 0.5)) continue;
-      status.sees_board = true;
-      status.motion = std::isnan(status.motion) ? held.motion : std::min(status.motion, held.motion);
-    }
-    return status;
   }
 };
 
@@ -422,8 +398,9 @@ CaptureStatus CapturePipeline::status(std::int64_t now) const {
   status.views = static_cast<int>(s.views.size());
   status.used = s.used_views();
   for (std::size_t c = 0; c < s.tracks.cameras.size(); ++c)
-    status.sensors.push_back(s.describe_camera(c, now));
-  for (std::size_t l = 0; l < s.tracks.lidars.size(); ++l) status.sensors.push_back(s.describe_lidar(l, now));
+    status.sensors.push_back(camera_status(s.tracks, c, s.options, now));
+  for (std::size_t l = 0; l < s.tracks.lidars.size(); ++l)
+    status.sensors.push_back(lidar_status(s.tracks, l, s.options, now));
   status.last_event = s.last_event;
   if (s.calibration) {
     status.sigma_translation = s.worst_translation();

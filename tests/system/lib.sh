@@ -109,3 +109,32 @@ recording() {
   fi
   echo "$made"
 }
+
+# live_sensors RECORDING: its pictures from a GigE camera, its packets over UDP, both in time from now on, in a configuration that
+# takes them. The camera is process $CAMERA; start_camera starts it again.
+live_sensors() {
+  [ -x "$CA2_BIN/fake_gige_camera" ] || skip "built without Aravis"
+  RECORDED=$1
+  ip address add 127.0.0.2/8 dev lo
+  {
+    sed -e '/^software:/d; /^start:/d' "$RECORDED/recording.yaml" | awk '
+      { print }
+      /image_size:/ { print "    source: {driver: aravis, id: 127.0.0.2, width: 640, height: 480, frame_rate: 10, silence: 1}" }
+      /model: VLP-16/ { print "    source: {driver: velodyne}" }'
+    echo "state: {directory: $WORK/state}"
+    echo "control: {socket: $WORK/control.sock, keys: $WORK/keys}"
+  } >"$WORK/ca2d.yaml"
+  SHIFT=$(($(date +%s%N) + 2000000000 - $(awk '$1 == "start:" { print $2 }' "$RECORDED/recording.yaml")))
+  start_camera
+  # When the film is over, the packets go on.
+  (
+    "$CA2_BIN/ca2" play "$RECORDED/lidars/puck.pcap" --to 127.0.0.1 --shift $SHIFT
+    while "$CA2_BIN/ca2" play "$RECORDED/lidars/puck.pcap" --to 127.0.0.1; do :; done
+  ) >/dev/null 2>&1 &
+  OTHERS+=($!)
+}
+start_camera() {
+  "$CA2_BIN/fake_gige_camera" 127.0.0.2 front 0 "$RECORDED/cameras/front" $SHIFT >/dev/null 2>&1 &
+  CAMERA=$!
+  OTHERS+=($CAMERA)
+}

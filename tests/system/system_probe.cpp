@@ -56,7 +56,11 @@ int freeze(pid_t process, const std::string& name, unsigned seconds) {
       return 1;
     }
     ::waitpid(thread, nullptr, __WALL);
-    ::sleep(seconds);
+    // A process cannot end before its tracer has heard that the thread did.
+    for (unsigned i = 0; i < 20 * seconds; ++i) {
+      if (::waitpid(thread, nullptr, __WALL | WNOHANG) != 0) return 0;
+      ::usleep(50'000);
+    }
     ::ptrace(PTRACE_DETACH, thread, nullptr, nullptr);
     return 0;
   }

@@ -83,6 +83,17 @@ TEST(Pipeline, APoseThatIsKnownTeachesNothing) {
   EXPECT_EQ(script.stored.size(), 3u);
 }
 
+TEST(Pipeline, AHoldThatIsSeenInPiecesIsRefusedWithoutWords) {
+  Script script;
+  script.T_camera_board = [](double) { return std::optional(board_at(0, 0, 1.5, 0.3)); };
+  // A busy machine: every second and a half nothing comes for a while.
+  script.camera_lost = [](double t) { return std::fmod(t, 1.5) > 1.0; };
+  CapturePipeline pipeline(script.rig, {}, {});
+  script.run(pipeline, 0, 9);
+  EXPECT_EQ(script.stored.size(), 1u);
+  EXPECT_FALSE(said(script, "rejected", "view 1 shows this pose already"));
+}
+
 TEST(Pipeline, ResumesASessionWithItsViews) {
   Script script;
   script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
