@@ -49,7 +49,7 @@ apt-get remove -yq ca2d >/dev/null
 # shellcheck disable=SC2046
 apt-get purge -yq $(dpkg-query -W -f '${Package} ' ca2 ca2d libca2-dev 2>/dev/null) >/tmp/apt.log 2>&1 ||
   { tail -20 /tmp/apt.log; exit 1; }
-left=$(paths | grep -iE '(^|[^a-z])(lib)?ca2([^a-z]|$|d)' || true)
+left=$(paths | grep -E '(^|[^a-z])(lib)?ca2([^a-z]|$|d)' || true)
 [ -z "$left" ] || { echo "left after the purge:"; echo "$left"; exit 1; }
 if getent passwd ca2 || getent group ca2; then echo "left after the purge: the account"; exit 1; fi
 echo "clean root: purged, nothing left"
