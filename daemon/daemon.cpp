@@ -8,6 +8,7 @@
 #include "core/types/text.h"
 #include "daemon/log.h"
 #include "daemon/notify.h"
+#include "daemon/sensors/ouster_metadata.h"
 #include "daemon/signals.h"
 #include "messages/status.h"
 
@@ -21,16 +22,25 @@ constexpr milliseconds tick_period{50}, status_period{200}, extrinsics_period{10
 constexpr milliseconds loop_beat_within{5000};
 constexpr milliseconds longest_goodbye{1000};  // for what is being written
 
+Config ready_for_sensors(Config config) {
+  config.rig = with_kept_metadata(std::move(config.rig), config.options.state_directory);
+  return config;
+}
+
 }  // namespace
 
 Daemon::Daemon(Config config, std::optional<Recording> recording)
-    : config_(std::move(config)),
+    : config_(ready_for_sensors(std::move(config))),
       recording_(std::move(recording)),
       clock_(recording_ ? std::optional(recording_->start) : std::nullopt),
       loop_beat_(heartbeats_.add("event loop")),
       previews_(loop_, heartbeats_),
       recorder_(loop_, heartbeats_, config_.options.state_directory, [this] { return clock_.now(); }),
-      reaper_("reaper", heartbeats_, 16, std::chrono::seconds(60)) {}
+      reaper_("reaper", heartbeats_, 16, std::chrono::seconds(60)) {
+  if (!recording_) return;
+  recorder_.set_caveat("the sensors are a recording: its pictures are recorded again, its packets are in " +
+                       (recording_->directory / "lidars").string() + " only");
+}
 
 Daemon::~Daemon() {
   retire_sensors();
@@ -141,7 +151,7 @@ void Daemon::reload() {
   if (!capture_->idle()) return done("the old configuration stays while a view is being written", false);
   retire_sensors();
   if (recording_) config->rig = config_.rig;
-  config_ = std::move(*config);
+  config_ = ready_for_sensors(std::move(*config));
   capture_->restart(config_);
   start_sensors();
   done("reloaded " + config_.file.string(), true);

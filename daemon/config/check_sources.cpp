@@ -3,6 +3,7 @@
 #include <array>
 
 #include "daemon/sensors/lidar_spec.h"
+#include "daemon/sensors/ouster_metadata.h"
 #include "drivers/camera/camera_driver.h"
 #include "drivers/camera/option_reader.h"
 #include "drivers/net/ip_address.h"
@@ -55,6 +56,7 @@ std::vector<Problem> check_sources(const Rig& rig, const std::filesystem::path& 
   }
   for (const auto& [name, lidar] : rig.lidars) {
     const LidarAddress address = read_lidar_address(name, lidar, problems);
+    if (asks_for_metadata(lidar)) continue;
     if (const auto driver = open_lidar_driver(lidar, file, address.host); !driver) {
       for (const Problem& problem : driver.error().problems) {
         problems.push_back({"lidar " + name + (problem.where.empty() ? "" : ": " + problem.where),

@@ -64,7 +64,9 @@ void answer_record_start(const CommandTargets& targets, const json& arguments, C
   Arguments given(arguments);
   const std::string name = given.text("name", "");
   if (const auto good = given.done(); !good) return answer(fail(good.error()));
-  as_directory("recording", std::move(answer))(targets.recorder.start(name));
+  const Result<std::string> directory = targets.recorder.start(name);
+  if (!directory) return answer(fail(directory.error()));
+  answer(json{{"recording", *directory}, {"caveat", targets.recorder.caveat()}});
 }
 
 void answer_record_stop(const CommandTargets& targets, const json& arguments, CommandAnswer answer) {

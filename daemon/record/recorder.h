@@ -33,6 +33,9 @@ class Recorder {
 
   /// From the loop's thread. `rig` as sessions keep it, with absolute paths: its files are copied.
   void set_rig(const Rig& rig) { rig_ = rig; }
+  /// What recordings will lack, for who starts one; empty: nothing.
+  void set_caveat(std::string caveat) { caveat_ = std::move(caveat); }
+  const std::string& caveat() const { return caveat_; }
   /// An empty name: one made of the time. The directory is made at once, so that a wrong name or a full disk
   /// is told to who asked.
   Result<std::string> start(const std::string& name);
@@ -59,6 +62,7 @@ class Recorder {
   std::filesystem::path state_;
   std::function<std::int64_t()> now_;
   Rig rig_;
+  std::string caveat_;
   std::atomic<bool> on_{false};
   std::atomic<std::size_t> waiting_bytes_{0};
   std::atomic<std::uint64_t> dropped_{0};

@@ -7,6 +7,7 @@
 #include "daemon/config/check_sources.h"
 #include "daemon/log.h"
 #include "daemon/sensors/lidar_stream.h"
+#include "daemon/sensors/ouster_metadata.h"
 #include "drivers/net/udp_source.h"
 
 namespace ca2 {
@@ -19,12 +20,16 @@ class LidarSensor : public SensorDevice {
   LidarSensor(const LidarAddress& address, std::filesystem::path file, InputSink& sink)
       : address_(address), file_(std::move(file)), sink_(sink) {}
 
-  void add(int index, const std::string& name, const RigLidar& lidar, const std::string& host) {
-    lidars_.push_back({index, name, lidar, host, nullptr});
+  /// `asks`: the file of its metadata is what the sensor answers.
+  void add(int index, const std::string& name, const RigLidar& lidar, const std::string& host, bool asks) {
+    lidars_.push_back({index, name, lidar, host, asks, nullptr});
   }
 
   Result<void> open() override {
     for (Lidar& lidar : lidars_) {
+      if (lidar.asks) {
+        if (const auto fetched = fetch_metadata(lidar.host, lidar.rig.metadata); !fetched) return fetched;
+      }
       auto stream = LidarStream::open(lidar.rig, file_, lidar.host);
       if (!stream) return fail(stream.error());
       lidar.stream = std::make_unique<LidarStream>(std::move(*stream));
@@ -90,6 +95,7 @@ class LidarSensor : public SensorDevice {
     std::string name;
     RigLidar rig;
     std::string host;
+    bool asks = false;  ///< for its metadata
     std::unique_ptr<LidarStream> stream;
   };
 
@@ -107,6 +113,7 @@ class LidarSensor : public SensorDevice {
 
 std::vector<std::unique_ptr<SensorDevice>> make_lidar_sensors(const Rig& rig,
                                                               const std::filesystem::path& file,
+                                                              const std::filesystem::path& state,
                                                               InputSink& sink) {
   using Key = std::tuple<std::uint16_t, std::string, std::string, std::string>;
   std::map<Key, std::unique_ptr<LidarSensor>> by_socket;
@@ -117,7 +124,8 @@ std::vector<std::unique_ptr<SensorDevice>> make_lidar_sensors(const Rig& rig,
     auto& sensor =
         by_socket[{address.port, address.local_address, address.multicast_group, address.interface}];
     if (!sensor) sensor = std::make_unique<LidarSensor>(address, file, sink);
-    sensor->add(index++, name, lidar, address.host);
+    const bool asks = lidar.metadata == kept_metadata(state, name).string();
+    sensor->add(index++, name, lidar, address.host, asks);
   }
   std::vector<std::unique_ptr<SensorDevice>> sensors;
   for (auto& [key, sensor] : by_socket) sensors.push_back(std::move(sensor));

@@ -11,9 +11,11 @@
 
 namespace ca2 {
 
-/// One device per socket that the rig's LiDARs need; `file` is the rig's, `sink` outlives them.
+/// One device per socket that the rig's LiDARs need; `file` is the rig's, `state` is where sensors' metadata
+/// is kept (ouster_metadata.h), `sink` outlives them.
 std::vector<std::unique_ptr<SensorDevice>> make_lidar_sensors(const Rig& rig,
                                                               const std::filesystem::path& file,
+                                                              const std::filesystem::path& state,
                                                               InputSink& sink);
 
 }  // namespace ca2

@@ -23,7 +23,7 @@ SensorSet::SensorSet(const Config& config, const std::optional<Recording>& recor
       }
       devices.push_back(make_camera_sensor(config.rig, device, *this));
     }
-    for (auto& device : make_lidar_sensors(config.rig, config.file, *this)) {
+    for (auto& device : make_lidar_sensors(config.rig, config.file, config.options.state_directory, *this)) {
       devices.push_back(std::move(device));
     }
   }

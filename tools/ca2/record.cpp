@@ -181,6 +181,8 @@ Result<int> call_recorder(const DaemonRecording& options, bool start) {
     std::printf("%s\n", reply->dump(2).c_str());
   } else if (start) {
     std::printf("recording to %s\n", directory.c_str());
+    if (const std::string caveat = reply->value("caveat", ""); !caveat.empty())
+      std::printf("%s\n", caveat.c_str());
   } else {
     std::printf("recorded %s, %llu inputs dropped\n", directory.c_str(), reply->value("dropped", 0ull));
   }
