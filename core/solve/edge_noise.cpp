@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/solve/misfit.h"
 
@@ -16,22 +17,19 @@ constexpr std::size_t most_views = 12;
 }  // namespace
 
 double estimate_edge_blur(std::span<const EdgeView> views, double dilation, double slack) {
-  static constexpr std::array sizes{1e-4, 2e-4, 4e-4, 8e-4, 1.6e-3, 3.2e-3};  // rad
   const std::size_t step = 1 + (views.size() - 1) / most_views;
-  for (const double blur : sizes) {
-    double scatter = 0;
-    int freedom = 0;
-    for (std::size_t i = 0; i < views.size(); i += step) {
-      const EdgeView& view = views[i];
-      for (const EdgeSums& edge :
-           edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, {blur, 0}, slack)) {
-        scatter += edge.scatter;
-        freedom += edge.freedom;
-      }
+  std::vector<double> needed;
+  for (std::size_t i = 0; i < views.size(); i += step) {
+    const EdgeView& view = views[i];
+    for (const EdgeSums& edge :
+         edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, {}, slack)) {
+      if (edge.count >= 4) needed.push_back(edge.blur);
     }
-    if (scatter <= freedom) return blur;
   }
-  return sizes.back();
+  if (needed.empty()) return 0;
+  // Single sides with a stray crossing are left to themselves; what is just possible is much too sure.
+  std::sort(needed.begin(), needed.end());
+  return 2 * needed[needed.size() * 85 / 100];
 }
 
 double edge_misfit(const EdgeView& view, double dilation, const EdgeNoise& noise, double slack) {
@@ -61,7 +59,7 @@ double mean_center_offset(std::span<const EdgeView> views, double dilation, cons
 
 double estimate_shared_edge_error(std::span<const EdgeView> views, double dilation, double blur,
                                   double slack) {
-  static constexpr std::array sizes{0.0003, 0.0006, 0.0012, 0.0024, 0.0048, 0.0096, 0.02};  // m
+  static constexpr std::array sizes{0.0002, 0.0004, 0.0006, 0.0012, 0.0024, 0.0048, 0.0096, 0.02};  // m
   const auto explained = [&](const EdgeNoise& tried) {
     double misfit = 0;
     int freedom = -7;  // the LiDAR's pose and the dilation follow the sides
@@ -69,13 +67,13 @@ double estimate_shared_edge_error(std::span<const EdgeView> views, double dilati
       for (const EdgeSums& edge :
            edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, tried, slack)) {
         const Eigen::Vector4d z = edge.at(view.T_lidar_board, dilation);
-        misfit += z.dot(edge.H * z) - edge.scatter;
-        freedom += edge.count - edge.freedom;
+        misfit += z.dot(edge.H * z);
+        freedom += edge.freedom;
       }
     }
     return freedom <= 0 || misfit_excess(misfit, freedom) == 1;
   };
-  if (explained({blur, 0})) return 0;
+  // No plate is cut, and no print placed on it, to less than the first of them.
   for (const double shared : sizes) {
     if (explained({blur, shared})) return shared;
   }

@@ -14,8 +14,8 @@ struct EdgeView {
   Pose T_lidar_board;
 };
 
-/// The blur [rad] that explains how far crossings of one side lie off a straight line; the least one looked
-/// for (0.1 mrad) where their gaps alone do. `slack` as for `edge_sums`.
+/// The blur [rad] with which straight rims are possible; 0 where the rays' gaps alone make them so. `slack`
+/// as for `edge_sums`.
 double estimate_edge_blur(std::span<const EdgeView> views, double dilation, double slack);
 
 /// Chi-squared of the crossings with the plate where it is.
@@ -27,7 +27,7 @@ double mean_center_offset(std::span<const EdgeView> views, double dilation, cons
                           double slack);
 
 /// The error [m] that the crossings of one side share, under which the sides lie off the views' poses no more
-/// than they should; 0 where gaps and blur alone explain it.
+/// than they should; 0.2 mm at least.
 double estimate_shared_edge_error(std::span<const EdgeView> views, double dilation, double blur,
                                   double slack);
 

@@ -4,27 +4,34 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+#include <optional>
+
+#include "core/solve/rim_polygon.h"
 
 namespace ca2 {
 namespace {
 
-/// Nothing is known better than to this share of the gap between two rays.
-constexpr double least_blur = 0.1;
 /// Of the widest beams, rad.
 constexpr double half_beam = 0.003;
+/// Blurs are looked for from the first to the last of these by doubling, rad.
+constexpr double least_blur = 1e-4, most_blur = 6.4e-3;
+/// No rim is straight to less than this, rad.
+constexpr double least_sigma = 5e-5;
 
-/// A crossing as one side of the plate sees it, in radians outwards of that side.
+/// The rays of a crossing as one side of the plate sees them: angles outwards of that side, rad.
 struct Piece {
-  Eigen::Vector3d direction;  ///< unit, of the gap's middle
-  double middle = 0;          ///< outwards of the predicted side
-  double width = 0;           ///< of the gap
-  double along = 0;           ///< place along the side, from its middle
+  double inside = 0, outside = 0;
+  /// How the rim's angles at the ends of the side make up that where a ray passes it.
+  Eigen::Vector2d inside_weights, outside_weights;
+
+  double width() const { return outside - inside; }
+  double middle() const { return 0.5 * (inside + outside); }
 };
 
 /// One side of the plate, where it is predicted.
 struct Side {
   Eigen::Vector3d a, b;    ///< board frame, m
+  Eigen::Vector3d A, B;    ///< the same, sensor frame, m
   Eigen::Vector3d normal;  ///< unit, of the plane with the origin, outwards
   Eigen::Vector3d across;  ///< unit, along the side, sensor frame
   Eigen::Vector3d middle;  ///< m, sensor frame
@@ -41,73 +48,85 @@ std::array<Side, 4> sides_of(const Outline& outline, const Pose& T_lidar_board) 
     Side& side = sides[i];
     side.a << outline.center + corners[i], 0;
     side.b << outline.center + corners[(i + 1) % 4], 0;
-    const Eigen::Vector3d A = T_lidar_board * side.a, B = T_lidar_board * side.b;
-    side.normal = A.cross(B).normalized();
-    side.across = (B - A).normalized();
-    side.middle = 0.5 * (A + B);
-    side.half_length = 0.5 * (B - A).norm();
+    side.A = T_lidar_board * side.a;
+    side.B = T_lidar_board * side.b;
+    side.normal = side.A.cross(side.B).normalized();
+    side.across = (side.B - side.A).normalized();
+    side.middle = 0.5 * (side.A + side.B);
+    side.half_length = 0.5 * (side.B - side.A).norm();
   }
   return sides;
 }
 
-/// The covariance of the pieces' errors, rad^2.
-Eigen::MatrixXd covariance_of(const std::vector<Piece>& pieces, const EdgeNoise& noise, const Side& side) {
-  const auto count = static_cast<Eigen::Index>(pieces.size());
-  Eigen::MatrixXd C(count, count);
-  const double range = side.middle.norm();
-  const double shared = noise.shared / range;
-  const double half = side.half_length / range;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Piece& p = pieces[static_cast<std::size_t>(i)];
-    const double least = least_blur * p.width;
-    for (Eigen::Index k = 0; k <= i; ++k) {
-      const Piece& q = pieces[static_cast<std::size_t>(k)];
-      const double share = std::min(1.0, std::abs(p.middle - q.middle) / (0.5 * (p.width + q.width)));
-      C(i, k) = p.width * q.width / 12 * (1 - 6 * share * (1 - share)) +
-                shared * shared * (1 + p.along * q.along / (half * half));
-    }
-    C(i, i) += noise.blur * noise.blur + least * least;
-  }
-  return C.selfadjointView<Eigen::Lower>();
+/// The rim's plane turns by a small vector t from the predicted one: at the point P of the side it then lies
+/// t.P / |P| outwards, and P is a mean of the ends.
+Eigen::Vector2d weights_at(const Side& side, double place) {
+  const double share = 0.5 * (1 + place / side.half_length);
+  const double distance = (side.middle + place * side.across).norm();
+  return {(1 - share) * side.A.norm() / distance, share * side.B.norm() / distance};
 }
 
 /// Takes out what is not the plate's rim: crossings whose gap lies away from where most of the side's are.
 void drop_strays(std::vector<Piece>& pieces) {
   if (pieces.size() < 4) return;
   std::vector<double> middles;
-  for (const Piece& piece : pieces) middles.push_back(piece.middle);
+  for (const Piece& piece : pieces) middles.push_back(piece.middle());
   const auto half = middles.begin() + static_cast<std::ptrdiff_t>(middles.size() / 2);
   std::nth_element(middles.begin(), half, middles.end());
   std::erase_if(pieces, [&](const Piece& piece) {
-    return std::abs(piece.middle - *half) > 0.9 * piece.width + half_beam;
+    return std::abs(piece.middle() - *half) > 0.9 * piece.width() + half_beam;
   });
 }
 
-EdgeSums sum_up(const Side& side, const std::vector<Piece>& pieces, const EdgeNoise& noise) {
+/// Where all the rays leave the ends of the rim, each of them trusted to within `blur` [rad].
+RimPolygon possible_ends(const std::vector<Piece>& pieces, double dilation, double reach, double blur) {
+  RimPolygon polygon(dilation, reach);
+  for (const Piece& piece : pieces) {
+    // The dilation is the same all along the side, whatever the weights' sum.
+    const double inside = piece.inside - dilation * (1 - piece.inside_weights.sum());
+    const double outside = piece.outside - dilation * (1 - piece.outside_weights.sum());
+    polygon.cut(-piece.inside_weights, blur - inside);
+    polygon.cut(piece.outside_weights, blur + outside);
+    if (polygon.empty()) break;
+  }
+  return polygon;
+}
+
+std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& pieces, double dilation,
+                               double slack, const EdgeNoise& noise) {
   EdgeSums sums;
   sums.a = side.a;
   sums.b = side.b;
   sums.count = static_cast<int>(pieces.size());
-  const auto count = static_cast<Eigen::Index>(pieces.size());
-  const Eigen::MatrixXd C = covariance_of(pieces, noise, side);
-  Eigen::LLT<Eigen::MatrixXd> llt(C);
-  if (llt.info() != Eigen::Success) {
-    // Gaps of different width need not give a covariance: then their own variances do.
-    llt.compute(Eigen::MatrixXd(C.diagonal().asDiagonal()));
+  const double range = side.middle.norm();
+  // So wide that it tells nothing.
+  const double reach = 4 * slack / range;
+  double blur = noise.blur;
+  RimPolygon polygon = possible_ends(pieces, dilation, reach, blur);
+  if (polygon.empty()) {
+    // What is just possible is a point, and much too sure: twice the blur that makes it possible.
+    while (polygon.empty() && blur < most_blur) {
+      blur = std::max(2 * blur, least_blur);
+      polygon = possible_ends(pieces, dilation, reach, blur);
+    }
+    if (polygon.empty()) return std::nullopt;
+    sums.blur = blur;
+    polygon = possible_ends(pieces, dilation, reach, 2 * blur);
   }
-  Eigen::MatrixXd rows(count, 7);  // by z, and by offset and slope of the side's line; the crossings
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Piece& piece = pieces[static_cast<std::size_t>(i)];
-    rows.row(i) << piece.direction.transpose(), -1, 1, piece.along, piece.middle;
-  }
-  llt.matrixL().solveInPlace(rows);
-  sums.H = rows.leftCols<4>().transpose() * rows.leftCols<4>();
-  if (count >= 4) {
-    const Eigen::Matrix2d line = rows.middleCols<2>(4).transpose() * rows.middleCols<2>(4);
-    const Eigen::Vector2d fit = rows.middleCols<2>(4).transpose() * rows.col(6);
-    sums.scatter = rows.col(6).squaredNorm() - fit.dot(line.ldlt().solve(fit));
-    sums.freedom = static_cast<int>(count) - 2;
-  }
+  const RimPolygon::Moments ends = polygon.moments();
+  const double shared = noise.shared / range;
+  const Eigen::Matrix2d C =
+      ends.covariance + (shared * shared + least_sigma * least_sigma + noise.blur * noise.blur / sums.count) *
+                            Eigen::Matrix2d::Identity();
+  // Angles that the rays leave as open as they were are not known.
+  const double trace = ends.covariance.trace(), determinant = ends.covariance.determinant();
+  const double open = 0.25 * reach * reach / 3;
+  const double larger = 0.5 * trace + std::sqrt(std::max(0.0, 0.25 * trace * trace - determinant));
+  sums.freedom = (larger < open ? 1 : 0) + (trace - larger < open ? 1 : 0);
+  Eigen::Matrix<double, 2, 4> rows;  // the ends' residuals by z
+  rows << (side.A.normalized() + ends.mean(0) * side.normal).normalized().transpose(), -1,
+      (side.B.normalized() + ends.mean(1) * side.normal).normalized().transpose(), -1;
+  sums.H = rows.transpose() * C.inverse() * rows;
   return sums;
 }
 
@@ -125,54 +144,35 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
   const std::array<Side, 4> sides = sides_of(outline, T_lidar_board);
   const Eigen::Vector3d m = T_lidar_board.R.col(2);
   const double distance = m.dot(T_lidar_board.t);
-  std::array<std::vector<Piece>, 4> along_rings;
-  // Between two rings the rim of a side is beyond every place that the last one saw, and before every place
-  // that the next one saw past it.
-  struct Strip {
-    double inside = -std::numeric_limits<double>::infinity();
-    double outside = std::numeric_limits<double>::infinity();
-  };
-  std::array<Strip, 4> strips;
+  std::array<std::vector<Piece>, 4> by_side, between_rings;
   for (const EdgeCrossing& crossing : crossings) {
     if (crossing.jump < 0) continue;
     const Eigen::Vector3d inside = crossing.inside.cast<double>(), outside = crossing.outside.cast<double>();
-    const Eigen::Vector3d direction = (inside + outside).normalized();
-    const double reach = distance / m.dot(direction);
-    if (!(reach > 0)) continue;
+    const double reach_inside = distance / m.dot(inside), reach_outside = distance / m.dot(outside);
+    if (!(reach_inside > 0) || !(reach_outside > 0)) continue;
+    const double gap = reach_inside * (outside - inside).norm();
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& side = sides[i];
-      const double from = side.normal.dot(inside), to = side.normal.dot(outside);
-      const double width = to - from;
-      if (!(width > 0)) continue;
-      const Eigen::Vector3d on_plane = reach * direction - side.middle;
-      const double place = side.across.dot(on_plane);
+      Piece piece{side.normal.dot(inside), side.normal.dot(outside), {}, {}};
+      if (!(piece.width() > 0)) continue;
+      const double from = side.across.dot(reach_inside * inside - side.middle);
+      const double to = side.across.dot(reach_outside * outside - side.middle);
       // Near a corner it is not known which side was crossed.
-      const double gap = reach * (outside - inside).norm();
-      if (std::abs(place) > side.half_length - gap - 0.01) continue;
-      const double middle = 0.5 * (from + to);
-      if (std::abs(middle - dilation) > 0.5 * width + slack / reach) continue;
-      if (crossing.across_rings) {
-        strips[i].inside = std::max(strips[i].inside, from);
-        strips[i].outside = std::min(strips[i].outside, to);
-      } else {
-        along_rings[i].push_back({direction, middle, width, place / reach});
-      }
+      if (0.5 * std::abs(from + to) > side.half_length - gap - 0.01) continue;
+      if (std::abs(piece.middle() - dilation) > 0.5 * piece.width() + slack / reach_inside) continue;
+      piece.inside_weights = weights_at(side, from);
+      piece.outside_weights = weights_at(side, to);
+      (crossing.across_rings ? between_rings : by_side)[i].push_back(piece);
       break;
     }
   }
   std::vector<EdgeSums> sums;
   for (std::size_t i = 0; i < 4; ++i) {
-    std::vector<Piece>& pieces = along_rings[i];
-    drop_strays(pieces);
-    const Strip& strip = strips[i];
     // A side that rings cross is known from them; what lies between two rings says the same, less well.
-    if (pieces.empty() && strip.outside > strip.inside && std::isfinite(strip.outside - strip.inside)) {
-      const double middle = 0.5 * (strip.inside + strip.outside);
-      const Eigen::Vector3d at_rim = sides[i].middle.normalized();
-      pieces.push_back(
-          {(at_rim + middle * sides[i].normal).normalized(), middle, strip.outside - strip.inside, 0});
-    }
-    if (!pieces.empty()) sums.push_back(sum_up(sides[i], pieces, noise));
+    std::vector<Piece>& pieces = by_side[i].empty() ? between_rings[i] : by_side[i];
+    drop_strays(pieces);
+    if (pieces.empty()) continue;
+    if (const auto side = sum_up(sides[i], pieces, dilation, slack, noise)) sums.push_back(*side);
   }
   return sums;
 }

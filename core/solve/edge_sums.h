@@ -17,20 +17,19 @@ inline constexpr double dilation_sigma = 0.004;
 
 /// How well a LiDAR tells where a rim is, beside the gap between its rays.
 struct EdgeNoise {
-  double blur = 0;    ///< rad: of one crossing, by itself (the beam's width, its encoder, the background)
+  double blur = 0;    ///< rad: a ray is trusted to within this (the beam's width, its encoder)
   double shared = 0;  ///< m: of either end of a side, all its crossings together (cut, tape, bent rim)
 };
 
 /// The crossings of one side of the plate. The side and the LiDAR's origin span a plane; with its unit normal
 /// n (outwards) and the dilation d - the angle by which a beam sees the plate beyond its rim - the cost is
-/// 1/2 z'Hz with z = (n, d): each crossing lies at the angle d outside of the side.
+/// 1/2 z'Hz with z = (n, d): the rim lies at the angle d outside of the side.
 struct EdgeSums {
   Eigen::Vector3d a, b;  ///< ends of the side, board frame, m; n is along (T a) x (T b)
   Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  int count = 0;  ///< crossings
-  /// Chi-squared of the crossings about the line that fits them best, and its degrees of freedom.
-  double scatter = 0;
-  int freedom = 0;
+  int count = 0;    ///< crossings
+  int freedom = 0;  ///< what they fix: 2, offset and direction of the rim; 1; 0
+  double blur = 0;  ///< rad: by how much rays of this side contradict each other beyond the stated blur
 
   /// z of this side for a board at T_lidar_board.
   Eigen::Vector4d at(const Pose& T_lidar_board, double dilation) const;
@@ -40,11 +39,11 @@ struct EdgeSums {
 /// crossings and those near the plate's corners tell nothing; those further than `slack` [m] from where the
 /// plate should end are of something else.
 ///
-/// The error of a crossing is uniform over its gap. Where rings look the same way, a straight rim cuts their
-/// gaps at places that are known relative to each other, so these errors are not independent: rings that cut
-/// the gap at the same place count once, rings that cut it at all places cancel. For a rim at any offset the
-/// covariance of two errors whose places differ by the share s of the gap is that of two saw teeth,
-/// w^2 / 12 (1 - 6 s (1 - s)).
+/// A ray that ended on the plate says that the rim is beyond it, its neighbour that it is before that one. A
+/// straight rim has two unknowns, its angles at its ends, and what all rays of a side leave for them is a
+/// convex polygon; anywhere in it is as likely. Its mean and covariance are the side's measurement: rings
+/// that cut their gaps at the same place count once by themselves, rings that cut them at all places leave
+/// little. Where rays contradict each other, they are trusted to within a blur that resolves it.
 std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
                                 const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
                                 double slack);

@@ -131,22 +131,34 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     (*H)(index, index) += information;
     (*g)(index) += information * error;
   };
+  const auto loose = [&](double sigma) {
+    if (!(sigma > 0)) return held;
+    return input_.nuisances ? 0 : 1 / (sigma * sigma);
+  };
   for (int c = 0; c < cameras_; ++c) {
     const CameraParameters& given = input_.cameras[static_cast<std::size_t>(c)].parameters;
     const CameraParameters& now = state.cameras[static_cast<std::size_t>(c)].parameters;
     for (int k = 0; k < 4; ++k) {
       const double sigma = input_.prior_intrinsics[static_cast<std::size_t>(c)](k);
-      add(intrinsics_index(c) + k, now(k) - given(k), sigma > 0 ? 1 / (sigma * sigma) : held);
+      add(intrinsics_index(c) + k, now(k) - given(k), loose(sigma));
     }
   }
   for (int l = 0; l < lidars_; ++l) {
-    add(bias_index(l), state.range_bias[static_cast<std::size_t>(l)],
-        input_.prior_bias > 0 ? 1 / (input_.prior_bias * input_.prior_bias) : held);
+    add(bias_index(l), state.range_bias[static_cast<std::size_t>(l)], loose(input_.prior_bias));
     const double slope = input_.prior_range_slope[static_cast<std::size_t>(l)];
     add(slope_index(l), state.range_slope[static_cast<std::size_t>(l)],
         slope > 0 ? 1 / (slope * slope) : held);
     add(dilation_index(l), state.dilation[static_cast<std::size_t>(l)],
         input_.prior_dilation > 0 ? 1 / (input_.prior_dilation * input_.prior_dilation) : held);
+  }
+  if (input_.nuisances) {
+    const Eigen::VectorXd d = deviations(state);
+    const Eigen::VectorXd pulled = input_.nuisances->information * d - input_.nuisances->pull;
+    cost += 0.5 * d.dot(pulled - input_.nuisances->pull);
+    if (H) {
+      H->block(intrinsics_, intrinsics_, d.size(), d.size()) += input_.nuisances->information;
+      g->segment(intrinsics_, d.size()) += pulled;
+    }
   }
   for (const RelativePrior& prior : input_.relative) {
     // T_a_b now = T_ref_a^-1 T_ref_b; perturbing b adds d, perturbing a adds -Ad(T_b_a) d.

@@ -13,6 +13,7 @@
 #include "core/solve/corner_field.h"
 #include "core/solve/edge_sums.h"
 #include "core/solve/misfit.h"
+#include "core/solve/nuisance_prior.h"
 #include "core/solve/range_sums.h"
 
 namespace ca2 {
@@ -40,12 +41,16 @@ struct JointInput {
   std::vector<RelativePrior> relative;
   std::vector<double> range_sigma;                ///< by LiDAR, m
   std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
+  std::vector<bool> stated;                       ///< by camera: the intrinsics are not from these views
   double prior_bias = 0;                          ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
   double prior_dilation =
       0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it at 0
   std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
-  double corner_huber = 3;           ///< whitened corner error from which the cost grows linearly
+  /// Takes the place of the priors on intrinsics and range biases that are not held: deviations from the
+  /// given intrinsics (4 per camera) and the biases (1 per LiDAR), in this order.
+  std::optional<NuisancePrior> nuisances;
+  double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
 };
 
 /// The unknowns. The first camera is the reference frame.
@@ -95,6 +100,11 @@ class JointProblem {
 
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
+  /// What the views at the state last linearised, the minimum, say of the deviations that have a prior:
+  /// stated intrinsics and the range biases are a group each. Nothing where they are all held or the views
+  /// determine nothing without them.
+  std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
+
   /// One view's share of `information()` and of the marginal gradient: what leaving it out takes away.
   void view_share(std::size_t view, Eigen::MatrixXd& information, Eigen::VectorXd& gradient) const;
 
@@ -124,6 +134,7 @@ class JointProblem {
                          std::span<const int> numbers, ViewEquations& equations);
   double corner_scale(int camera) const;
   double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
+  Eigen::VectorXd deviations(const State& state) const;  ///< in the order of JointInput::nuisances
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference
 
@@ -137,5 +148,10 @@ class JointProblem {
   Eigen::MatrixXd total_H_;  ///< of all views' Hgg
   Eigen::VectorXd total_g_;
 };
+
+/// Minimises, weighs the priors on intrinsics and range biases by what the views show (input.nuisances; from
+/// five views on), and minimises with these. `input` is the problem's; the problem is left linearised at
+/// `state`.
+void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state);
 
 }  // namespace ca2

@@ -27,6 +27,7 @@ class Solver {
     input_.relative = options.relative;
     input_.prior_intrinsics = options.prior_intrinsics;
     input_.prior_bias = options.prior_bias;
+    input_.stated = options.stated;
     answer_.chosen = seed.chosen;
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
@@ -67,8 +68,7 @@ class Solver {
     for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve(Returns::as_found);
-    // The second time round the returns and the noise are those of the solution: before, no view may be
-    // blamed.
+    // Only the second time round are returns and noise those of the solution, and views to be blamed.
     solve(Returns::by_ray);
     solve(Returns::by_ray);
     while (drop_worst()) solve(Returns::by_ray);
@@ -101,6 +101,7 @@ class Solver {
   /// Fills input_ for the views in use (with their indices in active_).
   void prepare(Returns returns) {
     choose_views();
+    input_.nuisances.reset();
     input_.range_sigma = answer_.range_sigma;
     input_.corner_scale = answer_.corner_scale;
     input_.prior_range_slope.resize(lidars_);
@@ -344,8 +345,7 @@ class Solver {
     prepare(Returns::by_ray);
     marginalize_view_errors();
     JointState active = active_state();
-    minimize(*problem_, active, {.max_iterations = 30});
-    problem_->linearize(active);
+    minimize_and_weigh(*problem_, input_, active);
     take(active);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];

@@ -18,6 +18,8 @@ namespace ca2 {
 struct JointOptions {
   double prior_bias = 0;                          ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
   std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
+  std::vector<bool> stated;  ///< by camera: the intrinsics are not from these views; how far off they may be
+                             ///< is weighed by what the views show
   std::vector<RelativePrior> relative;
 };
 

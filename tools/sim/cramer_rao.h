@@ -27,16 +27,17 @@ struct BoundModel {
 /// sigma^2 at the truth: of every corner by its reprojection, of every return by where its ray meets the
 /// board.
 ///
-/// Edges: the rings tell of a straight rim that it crosses the gap between two rays, anywhere with the same
-/// chance. A uniform error has no Fisher information; what stands in for it is the information of the best
-/// linear estimate. One crossing of a gap of width w has variance w^2 / 12. Let the rim sit at the offset x,
-/// uniform over many gaps: crossing i reports the middle of its gap, and its error is a saw tooth in x with
-/// period w_i and the phase phi_i in which ray and rim stand. Two saw teeth of one period whose phases differ
-/// by the share s of it have the covariance w^2/12 (1 - 6 s (1 - s)) - their Fourier series are sums of
-/// sin(2 pi k x / w) / (pi k), whose products average to sum of cos(2 pi k s) / (2 pi^2 k^2), times w^2. With
-/// C made of these, J'C^-1 J is the information of the side's plane (through the LiDAR) and of the dilation,
-/// the angle by which beams see the plate too large, which is known to `dilation_sigma`. Rings that cut their
-/// gaps at one place make C singular and count once; rings that cut it at n places leave w^2/12 / n^2.
+/// Edges: the rim crosses the gap between two rays anywhere with the same chance. A uniform error has no
+/// Fisher information: what stands in for it is the inverse of the least mean square error. A straight rim
+/// has two unknowns per side, its angles u and v at its ends; a ray that ended on the plate leaves those with
+/// a u + b v >= its own angle, its neighbour those with <=, a and b being where along the side it passes. All
+/// rays of a side leave a convex polygon in (u, v), any point of it being as likely (nothing is known of the
+/// rim beforehand), so that its mean is the best estimate and its covariance C the mean square error of that:
+/// no estimate from these crossings has less. J'C^-1 J is then the information of the side's plane (through
+/// the LiDAR) and of the dilation, the angle by which beams see the plate too large, known to
+/// `dilation_sigma`. Correlated crossings need no rule of their own: rings that cut their gaps at one place
+/// leave the whole gap w, a variance of w^2/12; rings that cut it at n places leave w/n. The rim is held to
+/// be straight to 0.1 mrad.
 std::optional<Matrix6d> cramer_rao(const Scenario& scenario, const Rig& rig,
                                    const std::vector<SimulatedView>& views, const BoundModel& model);
 

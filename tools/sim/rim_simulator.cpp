@@ -42,7 +42,8 @@ void RimSimulator::add_revolution(double azimuth, std::mt19937_64& rng) {
   std::bernoulli_distribution lost(lidar_.noise.dropout);
   for (const PlateHit& hit : cast_on_plate(lidar_.beams, azimuth, T_lidar_board_, around_)) {
     if (lost(rng)) continue;
-    const Eigen::Vector3d p = hit.ray.origin + hit.range * hit.ray.direction;
+    // Seen from the frame's origin a ray has the direction of the point that was measured on it.
+    const Eigen::Vector3d p = hit.ray.origin + (hit.range + lidar_.noise.range_bias) * hit.ray.direction;
     rings_[static_cast<std::size_t>(hit.ring)].push_back(
         {std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi), p.normalized(),
          answers(hit.ray)});

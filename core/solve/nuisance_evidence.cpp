@@ -1,0 +1,78 @@
+/// JointProblem's part that weighs the given intrinsics and range biases.
+#include <Eigen/Cholesky>
+
+#include "core/geometry/levenberg_marquardt.h"
+#include "core/solve/joint_problem.h"
+
+namespace ca2 {
+
+Eigen::VectorXd JointProblem::deviations(const JointState& state) const {
+  Eigen::VectorXd d(4 * cameras_ + lidars_);
+  for (int c = 0; c < cameras_; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    d.segment<4>(4 * c) = (state.cameras[i].parameters - input_.cameras[i].parameters).head<4>();
+  }
+  for (int l = 0; l < lidars_; ++l) d(4 * cameras_ + l) = state.range_bias[static_cast<std::size_t>(l)];
+  return d;
+}
+
+std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState& state) const {
+  // Held ones go with the others: their prior is no matter of belief.
+  NuisanceEvidence evidence;
+  evidence.size = 4 * cameras_ + lidars_;
+  std::vector<int>& index = evidence.index;
+  std::vector<double> sigmas;
+  const auto add = [&](int i, double sigma, int group) {
+    if (!(sigma > 0)) return;
+    index.push_back(i);
+    sigmas.push_back(sigma);
+    evidence.group.push_back(group);
+  };
+  for (int c = 0; c < cameras_; ++c) {
+    const auto i = static_cast<std::size_t>(c);
+    for (int k = 0; k < 4; ++k) add(4 * c + k, input_.prior_intrinsics[i](k), input_.stated[i] ? 0 : -1);
+  }
+  for (int l = 0; l < lidars_; ++l) add(4 * cameras_ + l, input_.prior_bias, 1);
+  if (index.empty()) return std::nullopt;
+  // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
+  const auto count = static_cast<Eigen::Index>(index.size());
+  const Eigen::Index others = globals_ - count;
+  std::vector<int> order;
+  for (int i = 0; i < globals_; ++i) {
+    bool weighed = false;
+    for (const int k : index) weighed = weighed || i == intrinsics_ + k;
+    if (!weighed) order.push_back(i);
+  }
+  for (const int k : index) order.push_back(intrinsics_ + k);
+  Eigen::MatrixXd S = information()(order, order);
+  const Eigen::VectorXd d = deviations(state)(index);
+  evidence.sigma = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), count);
+  const Eigen::VectorXd prior = evidence.sigma.cwiseAbs2().cwiseInverse();
+  S.diagonal().tail(count) -= prior;
+  // Metres, radians and the held ones side by side: a unit diagonal first.
+  const Eigen::VectorXd unit = S.diagonal().head(others).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<Eigen::MatrixXd> llt(unit.asDiagonal() * S.topLeftCorner(others, others) *
+                                        unit.asDiagonal());
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const Eigen::MatrixXd cross = unit.asDiagonal() * S.topRightCorner(others, count);
+  evidence.H = S.bottomRightCorner(count, count) - cross.transpose() * llt.solve(cross);
+  // At the minimum the views pull as much as the priors do.
+  evidence.h = evidence.H * d + prior.cwiseProduct(d);
+  return evidence;
+}
+
+void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state) {
+  constexpr LmOptions options{.max_iterations = 30};
+  input.nuisances.reset();
+  minimize(problem, state, options);
+  problem.linearize(state);
+  // Three or four views leave too little over to say that given values are right.
+  if (input.views.size() < 5) return;
+  const std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
+  if (!evidence) return;
+  input.nuisances = weigh_nuisances(*evidence);
+  minimize(problem, state, options);
+  problem.linearize(state);
+}
+
+}  // namespace ca2

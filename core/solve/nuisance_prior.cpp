@@ -1,0 +1,101 @@
+#include "core/solve/nuisance_prior.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace ca2 {
+namespace {
+
+struct Factor {
+  double size, chance;
+};
+constexpr std::array<Factor, 7> factors{
+    {{0, 0.2}, {1. / 32, 0.04}, {1. / 16, 0.04}, {1. / 8, 0.04}, {1. / 4, 0.04}, {1. / 2, 0.04}, {1, 0.6}}};
+/// Nothing is known better than to this share of its `sigma`: keeps the mixture's covariance regular.
+constexpr double least_sigma = 1e-4;
+
+/// The deviations in units of their `sigma` under one choice of factors.
+struct Component {
+  double log_weight = 0;
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+Component component_of(const Eigen::MatrixXd& H, const Eigen::VectorXd& h, const Eigen::VectorXd& size,
+                       double log_prior) {
+  const Eigen::Index count = h.size();
+  const Eigen::LLT<Eigen::MatrixXd> llt(size.asDiagonal() * H * size.asDiagonal() +
+                                        Eigen::MatrixXd::Identity(count, count));
+  const Eigen::VectorXd g = size.cwiseProduct(h);
+  const Eigen::VectorXd x = llt.solve(g);
+  const double log_determinant = 2 * llt.matrixLLT().diagonal().array().log().sum();
+  return {log_prior + 0.5 * g.dot(x) - 0.5 * log_determinant, size.cwiseProduct(x),
+          size.asDiagonal() * llt.solve(Eigen::MatrixXd::Identity(count, count)) * size.asDiagonal()};
+}
+
+/// Every combination of factors of the groups.
+std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eigen::MatrixXd& H,
+                                     const Eigen::VectorXd& h) {
+  const int groups = 1 + *std::max_element(evidence.group.begin(), evidence.group.end());
+  std::vector<Component> list;
+  std::vector<std::size_t> choice(static_cast<std::size_t>(groups), 0);
+  for (bool more = true; more;) {
+    Eigen::VectorXd size = Eigen::VectorXd::Ones(h.size());
+    double log_prior = 0;
+    for (Eigen::Index i = 0; i < size.size(); ++i) {
+      const int group = evidence.group[static_cast<std::size_t>(i)];
+      if (group >= 0) size(i) = factors[choice[static_cast<std::size_t>(group)]].size;
+    }
+    for (const std::size_t c : choice) log_prior += std::log(factors[c].chance);
+    list.push_back(component_of(H, h, size, log_prior));
+    more = false;
+    for (std::size_t& c : choice) {
+      if (++c < factors.size()) {
+        more = true;
+        break;
+      }
+      c = 0;
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+NuisancePrior weigh_nuisances(const NuisanceEvidence& evidence) {
+  const Eigen::Index count = evidence.h.size();
+  const auto unit = evidence.sigma.asDiagonal();
+  const Eigen::MatrixXd H = unit * evidence.H * unit;
+  const Eigen::VectorXd h = unit * evidence.h;
+  const std::vector<Component> components = components_of(evidence, H, h);
+  double largest = -std::numeric_limits<double>::infinity(), total = 0;
+  for (const Component& c : components) largest = std::max(largest, c.log_weight);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(count, count);
+  for (const Component& c : components) {
+    const double weight = std::exp(c.log_weight - largest);
+    total += weight;
+    mean += weight * c.mean;
+    second += weight * (c.covariance + c.mean * c.mean.transpose());
+  }
+  mean /= total;
+  const Eigen::MatrixXd covariance = second / total - mean * mean.transpose() +
+                                     least_sigma * least_sigma * Eigen::MatrixXd::Identity(count, count);
+  const Eigen::MatrixXd posterior = covariance.llt().solve(Eigen::MatrixXd::Identity(count, count));
+  // A mixture of two minds may be less certain than the views alone: no prior does that.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(posterior - H);
+  const Eigen::VectorXd kept = eigen.eigenvalues().cwiseMax(1e-6);
+  const Eigen::MatrixXd W = eigen.eigenvectors() * kept.asDiagonal() * eigen.eigenvectors().transpose();
+  const Eigen::VectorXd b = W * mean + (H * mean - h);
+  const auto per_unit = evidence.sigma.cwiseInverse().asDiagonal();
+  NuisancePrior prior{Eigen::MatrixXd::Zero(evidence.size, evidence.size),
+                      Eigen::VectorXd::Zero(evidence.size)};
+  prior.information(evidence.index, evidence.index) = per_unit * W * per_unit;
+  prior.pull(evidence.index) = per_unit * b;
+  return prior;
+}
+
+}  // namespace ca2
