@@ -28,9 +28,11 @@ live_config() {
   printf 'state: {directory: "%s/state"}\ncontrol: {socket: "%s"}\n' "$demo" "$CA2_SOCKET"
 }
 
+started=()  # processes that end with the demo
+
 # In a network of its own: nothing of it is heard outside, nobody else's cameras are in the way.
 live() {
-  local started=() players=() address=2 camera pcap start shift
+  local players=() address=2 camera pcap start shift
   trap 'kill "${started[@]}" 2>/dev/null || true; wait' EXIT
   ip link set lo up
   ip route add 224.0.0.0/4 dev lo
