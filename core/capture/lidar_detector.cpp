@@ -8,7 +8,7 @@ LidarObservation LidarDetector::detect(std::int64_t time, std::shared_ptr<const 
   LidarObservation observation;
   observation.lidar = lidar_;
   observation.time = time;
-  for (const BoardCandidate& candidate : find_board_candidates(*scan, board_)) {
+  for (const BoardCandidate& candidate : finder_.find(*scan)) {
     observation.sights.push_back(sight_of(*scan, board_, candidate));
     observation.novelty.push_back(background_.before(*scan, candidate.returns));
   }

@@ -6,6 +6,7 @@
 
 #include "core/capture/background.h"
 #include "core/capture/observation.h"
+#include "core/lidar/board_candidate.h"
 
 namespace ca2 {
 
@@ -14,13 +15,14 @@ namespace ca2 {
 /// (LidarObservation::searched).
 class LidarDetector {
  public:
-  LidarDetector(Board board, int lidar) : board_(std::move(board)), lidar_(lidar) {}
+  LidarDetector(Board board, int lidar) : board_(board), lidar_(lidar), finder_(std::move(board)) {}
 
   LidarObservation detect(std::int64_t time, std::shared_ptr<const Scan> scan);
 
  private:
   Board board_;
   int lidar_;
+  BoardFinder finder_;
   Background background_;
 };
 

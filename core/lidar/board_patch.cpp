@@ -11,21 +11,24 @@
 namespace ca2 {
 namespace {
 
-// Rays looked at: most pieces are dismissed at the first look; the second finds the rim to a few millimetres.
-constexpr std::size_t kFirstLook = 600, kSecondLook = 2000;
+// Rays looked at: most pieces are dismissed at the first look; the second finds
+// the rim to a few millimetres.
+constexpr std::size_t kFirstLook = 300, kSecondLook = 2000, kAllRays = SIZE_MAX;
 
-/// The mean of the points, and then of those within `reach` of it: arms and other leads pull less.
-Eigen::Vector3d dense_centre(const std::vector<Eigen::Vector3d>& points, double reach) {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (double limit : {1e9, reach, reach}) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    double count = 0;
-    for (const Eigen::Vector3d& p : points) {
-      if ((p - centre).norm() < limit) sum += p, ++count;
+/// The mean of the region's points, and then of those within `reach` of it:
+/// arms and other leads pull less.
+Eigen::Vector3d dense_centre(const PatchContext& context, const PlanarRegion& region, float reach) {
+  Eigen::Vector3f centre = Eigen::Vector3f::Zero();
+  for (const float limit : {1e9f, reach, reach}) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    float count = 0;
+    for (const std::uint32_t cell : region.cells) {
+      const Eigen::Vector3f& p = context.image.point(cell);
+      if ((p - centre).squaredNorm() < limit * limit) sum += p, ++count;
     }
     if (count > 0) centre = sum / count;
   }
-  return centre;
+  return centre.cast<double>();
 }
 
 /// rad between the ring of a cell and the next.
@@ -33,18 +36,12 @@ double row_angle_at(const PatchContext& context, std::uint32_t cell) {
   return context.image.row_angle[static_cast<std::size_t>(context.image.row(cell))];
 }
 
-/// How the rectangle is filled and how free its sides are, each 0..1.
-struct Evidence {
-  double fill = 0, free = 0, least_free = 0;
-  int on = 0;
-  int rows = 0;  ///< rings with returns on the board
-};
-
 Evidence weigh(const PatchContext& context, const Placed& placed, double margin) {
   if (placed.rays.empty()) return {};
   const double near_row =
       placed.frame.origin.norm() * row_angle_at(context, placed.rays[placed.rays.size() / 2].cell);
-  // Beyond the rim's mixed pixels and what the rectangle's place is uncertain by, and wide enough for a ring.
+  // Beyond the rim's mixed pixels and what the rectangle's place is uncertain
+  // by, and wide enough for a ring.
   const double beyond = margin + 0.5 * std::min(near_row, 0.03);
   const double rim = std::max(0.15 * std::min(context.width, context.height), 1.3 * near_row);
   double on = 0, hollow = 0;
@@ -73,11 +70,11 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
       if (next_face) solid[static_cast<std::size_t>(side)] += 0.5;
     }
   }
-  evidence.on = static_cast<int>(on);
   evidence.fill = on / std::max(on + hollow, 1.0);
   evidence.least_free = 1;
   for (std::size_t s = 0; s < 4; ++s) {
-    // No ray passed this side: the field of view ends there, and the surface may well go on.
+    // No ray passed this side: the field of view ends there, and the surface
+    // may well go on.
     const double free = seen[s] < 2 ? 0.4 : 1 - solid[s] / seen[s];
     evidence.free += free / 4;
     evidence.least_free = std::min(evidence.least_free, free);
@@ -85,12 +82,14 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
   return evidence;
 }
 
-/// Is the cell beside one that is off the plane? Its own return may be a mixture of both. Judged by the
-/// neighbours, so that it does not depend on the return's own noise.
+/// Is the cell beside one that is off the plane? Its own return may be a
+/// mixture of both. Judged by the neighbours, so that it does not depend on the
+/// return's own noise.
 bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
   const RingImage& image = context.image;
   const int row = image.row(cell), column = image.column(cell);
-  // Where rings lie farther apart than a beam is wide, the next one tells nothing.
+  // Where rings lie farther apart than a beam is wide, the next one tells
+  // nothing.
   const bool close_rows = image.range[cell] * image.row_angle[static_cast<std::size_t>(row)] < 0.03f;
   for (const auto& [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
     if (row + dr < 0 || row + dr >= image.rows || (dr != 0 && !close_rows)) continue;
@@ -100,14 +99,15 @@ bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t
   return false;
 }
 
-/// All returns whose ray meets the plane inside the rectangle, a margin from its rim, and that lie within
-/// `band` of it (m, along the normal, the same to both sides).
+/// All returns whose ray meets the plane inside the rectangle, a margin from
+/// its rim, and that lie within `band` of it (m, along the normal, the same to
+/// both sides); of about `most` rays.
 std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Placed& placed, double margin,
-                                          double band) {
+                                          double band, std::size_t most) {
   std::vector<std::uint32_t> list;
   const double radius =
       std::hypot(context.width, context.height) / 2 + std::hypot(placed.rectangle.u, placed.rectangle.v);
-  for (const PatchRay& ray : view_patch(context.image, placed.frame, radius, band, SIZE_MAX)) {
+  for (const PatchRay& ray : view_patch(context.image, placed.frame, radius, band, most)) {
     int side = 0;
     if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
     if (beside_other(context, placed.frame.plane, ray.cell, band)) continue;
@@ -129,15 +129,11 @@ std::vector<Eigen::Vector3d> points_of(const Scan& scan, const std::vector<std::
   return points;
 }
 
-/// Not worth a second round: too hollow, or the plane goes on around it.
-bool hopeless(const Evidence& evidence) {
-  return evidence.rows < 2 || evidence.fill < 0.4 || evidence.free < 0.2;
-}
-
 std::string explain(const Evidence& evidence, const BoardCandidate& candidate) {
   char text[160];
   std::snprintf(text, sizeof text,
-                "%zu returns in %d rings, outline filled %.0f %%, rim free %.0f %% (least side %.0f %%), "
+                "%zu returns in %d rings, outline filled %.0f %%, rim free "
+                "%.0f %% (least side %.0f %%), "
                 "noise %.1f mm",
                 candidate.returns.size(), evidence.rows, 100 * evidence.fill, 100 * evidence.free,
                 100 * evidence.least_free, 1e3 * candidate.rms);
@@ -146,41 +142,51 @@ std::string explain(const Evidence& evidence, const BoardCandidate& candidate) {
 
 }  // namespace
 
-std::optional<BoardCandidate> judge_region(const PatchContext& context, const PlanarRegion& region) {
+std::optional<FirstLook> look_at_region(const PatchContext& context, const PlanarRegion& region) {
   const double diagonal = std::hypot(context.width, context.height);
-  double band = std::clamp(3.5 * context.noise, 0.02, 0.08);
+  const double band = std::clamp(3.5 * context.noise, 0.02, 0.08);
+  const Eigen::Vector3d centre = dense_centre(context, region, static_cast<float>(0.6 * diagonal));
+  const double gap = std::max<double>(context.image.column_angle,
+                                      std::min(row_angle_at(context, region.cells.front()), 0.015));
+  const double margin =
+      std::clamp(0.5 * centre.norm() * gap + 0.01, 0.015, 0.15 * std::min(context.width, context.height));
   std::vector<Eigen::Vector3d> points;
   for (const std::uint32_t cell : region.cells) points.push_back(context.image.point(cell).cast<double>());
-  Eigen::Vector3d centre = dense_centre(points, 0.6 * diagonal);
-  RangeFit fit = fit_ranges(points, region.plane);
-  std::vector<std::uint32_t> returns;
-  std::optional<Placed> placed;
-  double margin = 0;
-  // The second round sees the plane of the board's own returns, and its own noise.
-  for (int round = 0; round < 2; ++round) {
-    const double range = centre.norm();
-    // The beam's footprint and what the rectangle's place is uncertain by.
-    const double gap = std::max<double>(context.image.column_angle,
-                                        std::min(row_angle_at(context, region.cells.front()), 0.015));
-    margin = std::clamp(0.5 * range * gap + 0.01, 0.015, 0.15 * std::min(context.width, context.height));
-    placed = place_rectangle(context, fit.plane, centre, (round == 0 ? 0.95 : 0.8) * diagonal, band,
-                             round == 0 ? kFirstLook : kSecondLook);
-    returns = returns_inside(context, *placed, margin, band);
-    if (returns.size() < 8) return std::nullopt;
-    if (round == 0 && hopeless(weigh(context, *placed, margin))) return std::nullopt;
-    points = points_of(context.scan, returns);
-    fit = fit_ranges(points, placed->frame.plane);
-    centre = centre_of(*placed);
-    const double facing = std::abs(fit.plane.normal.dot(centre.normalized()));
-    band = std::clamp(4 * fit.sigma * facing, 0.015, 0.09);
-  }
-  const Evidence evidence = weigh(context, *placed, margin);
-  if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;
+  FirstLook look{place_rectangle(context, fit_ranges(points, region.plane).plane, centre,
+                                 {0.95 * diagonal, band, kFirstLook}),
+                 {},
+                 margin,
+                 0};
+  look.evidence = weigh(context, look.placed, margin);
+  const Evidence& e = look.evidence;
+  // Too hollow, or the plane goes on around it.
+  if (e.rows < 2 || e.fill < 0.4 || e.free < 0.2) return std::nullopt;
+  look.score = e.fill * e.fill * e.free * (0.5 + 0.5 * e.least_free);
+  return look;
+}
+
+std::optional<BoardCandidate> judge_look(const PatchContext& context, const FirstLook& look) {
+  // The plane of the board's own returns, and its own noise.
+  const double first_band = std::clamp(3.5 * context.noise, 0.02, 0.08);
+  const std::vector<Eigen::Vector3d> points =
+      points_of(context.scan, returns_inside(context, look.placed, look.margin, first_band, kAllRays));
+  if (points.size() < 6) return std::nullopt;
+  const auto near_plane = [](const RangeFit& fit, const Eigen::Vector3d& at) {
+    return std::clamp(4 * fit.sigma * std::abs(fit.plane.normal.dot(at.normalized())), 0.015, 0.09);
+  };
+  RangeFit fit = fit_ranges(points, look.placed.frame.plane);
+  const double band = near_plane(fit, centre_of(look.placed));
+  const Placed placed = place_rectangle(context, fit.plane, centre_of(look.placed),
+                                        {0.8 * std::hypot(context.width, context.height), band, kSecondLook});
   BoardCandidate candidate;
+  candidate.returns = returns_inside(context, placed, look.margin, band, kAllRays);
+  if (candidate.returns.size() < 8) return std::nullopt;
+  const Evidence evidence = weigh(context, placed, look.margin);
+  if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;
+  fit = fit_ranges(points_of(context.scan, candidate.returns), placed.frame.plane);
   candidate.plane = fit.plane;
-  candidate.returns = std::move(returns);
   candidate.rms = fit.rms;
-  candidate.T_lidar_board = pose_of(*placed, fit.plane);
+  candidate.T_lidar_board = pose_of(placed, fit.plane);
   const double smooth = std::min(1.0, 1.6 * context.noise / std::max(fit.rms, 1e-4));
   const auto count = static_cast<double>(candidate.returns.size());
   candidate.score = evidence.fill * evidence.fill * evidence.free * (0.5 + 0.5 * evidence.least_free) *

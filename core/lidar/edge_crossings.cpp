@@ -11,7 +11,8 @@
 namespace ca2 {
 namespace {
 
-/// Azimuths nearer than this are one look of a sensor whose sweeps fire at the same places, rad.
+/// Azimuths nearer than this are one look of a sensor whose sweeps fire at the
+/// same places, rad.
 constexpr double same_place = 1e-4;
 /// How far outside the roughly placed rectangle the board may still reach, m.
 constexpr double slack = 0.03;
@@ -69,7 +70,8 @@ class RimFinder {
            std::abs(sample.p_plate.y()) <= 0.5 * board_.height + slack;
   }
 
-  /// rad between neighbouring rings, the widest gap of those that reach the board's height.
+  /// rad between neighbouring rings, the widest gap of those that reach the
+  /// board's height.
   double ring_gap() const {
     double widest = 0, last = std::numeric_limits<double>::quiet_NaN();
     const double middle = std::atan2(board_.T_lidar_board.t.z(), distance_);
@@ -81,7 +83,8 @@ class RimFinder {
     return widest;
   }
 
-  /// May this ring pass the board? Its steepest cone still meets the sphere round it.
+  /// May this ring pass the board? Its steepest cone still meets the sphere
+  /// round it.
   bool reaches(std::size_t ring) const {
     const double slope = projection_.slope[ring], height = projection_.height[ring];
     return std::abs(height + slope * distance_ - board_.T_lidar_board.t.z()) <
@@ -104,16 +107,19 @@ class RimFinder {
       return std::nullopt;
     }
     sample.p_plate = p_board.head<2>();
-    sample.azimuth = std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi);
+    // From the board's centre, so that single precision does.
+    sample.azimuth = std::atan2(axis_.x() * point.y() - axis_.y() * point.x(),
+                                axis_.x() * point.x() + axis_.y() * point.y());
     sample.behind = range - expected;
     sample.seen = sample.behind > band_ ? Seen::behind : sample.behind < -band_ ? Seen::before : Seen::board;
     return sample;
   }
 
-  /// The samples of a ring round the board. Several looks at one place are one: the board where most of them
-  /// ended on it.
-  Ring gather(int ring) const {
-    Ring all;
+  /// The samples of a ring round the board. Several looks at one place are one:
+  /// the board where most of them ended on it.
+  Ring gather(int ring) {
+    Ring& all = gathered_;
+    all.clear();
     const double columns_per_rad = 1 / projection_.column_angle();
     const int half = std::min(static_cast<int>(std::asin(radius_ / distance_) * columns_per_rad) + 2,
                               projection_.columns / 2 - 1);
@@ -127,6 +133,7 @@ class RimFinder {
     std::stable_sort(all.begin(), all.end(),
                      [](const Sample& a, const Sample& b) { return a.azimuth < b.azimuth; });
     Ring merged;
+    merged.reserve(all.size());
     for (std::size_t i = 0; i < all.size();) {
       std::size_t end = i + 1;
       while (end < all.size() && all[end].azimuth - all[i].azimuth < same_place) ++end;
@@ -141,8 +148,8 @@ class RimFinder {
     return merged;
   }
 
-  /// The usual step from one ray of a ring to the next, and whether all steps are that long: not where sweeps
-  /// that fire at other places are gathered.
+  /// The usual step from one ray of a ring to the next, and whether all steps
+  /// are that long: not where sweeps that fire at other places are gathered.
   void measure_step() {
     std::vector<double> steps;
     for (const Ring& ring : rings_) {
@@ -157,7 +164,8 @@ class RimFinder {
     regular_ = steps[steps.size() * 85 / 100] - steps[steps.size() * 15 / 100] < 0.3 * step_;
   }
 
-  /// The outermost sample on the plate towards one side (`way`: -1 or 1) that is no stray; -1: none.
+  /// The outermost sample on the plate towards one side (`way`: -1 or 1) that
+  /// is no stray; -1: none.
   static constexpr int none = -1;
   int outermost(const Ring& ring, int way) const {
     const int count = static_cast<int>(ring.size());
@@ -193,13 +201,15 @@ class RimFinder {
     if (next) {
       // More of the same surface: nothing ends here.
       if (next->seen == Seen::board) return;
-      // A mixture of what covers the rim and what is behind it may look like either.
+      // A mixture of what covers the rim and what is behind it may look like
+      // either.
       const Sample* after = at(last + 2 * way);
       const bool covered = next->seen == Seen::before || (after && after->seen == Seen::before);
       jump = static_cast<float>(covered ? std::min(next->behind, -band_) : next->behind);
     }
-    // Regular rays are where the step says. The next return may lie far behind, where a ray that does not
-    // start in the origin is seen under another azimuth.
+    // Regular rays are where the step says. The next return may lie far behind,
+    // where a ray that does not start in the origin is seen under another
+    // azimuth.
     if (regular_ || !next || gap > 2.5 * step_) gap = step_;
     const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
     const Eigen::Vector3d direction = inside.hit.normalized();
@@ -257,11 +267,13 @@ class RimFinder {
   const Projection& projection_;
   const RimSearch& board_;
   std::vector<Ring> rings_;
-  double distance_ = 0, azimuth_ = 0;  ///< of the board's centre: horizontal, m; rad
-  double reach_ = 0;                   ///< m, beyond the rim
-  double radius_ = 0;                  ///< m, of all that is looked at
-  Eigen::Vector3f axis_;               ///< towards the board's centre, unit
-  float cosine_squared_ = 0;           ///< of the cone round it that holds the board
+  Ring gathered_;  ///< what a ring is made from
+  double distance_ = 0,
+         azimuth_ = 0;        ///< of the board's centre: horizontal, m; rad
+  double reach_ = 0;          ///< m, beyond the rim
+  double radius_ = 0;         ///< m, of all that is looked at
+  Eigen::Vector3f axis_;      ///< towards the board's centre, unit
+  float cosine_squared_ = 0;  ///< of the cone round it that holds the board
   Eigen::Matrix3d R_board_lidar_;
   double band_ = 0;  ///< m
   double step_ = 0;  ///< rad

@@ -13,16 +13,21 @@ namespace ca2 {
 
 struct Projection;
 
-/// The rim of the board lies between two neighbouring rays, of which one ended on the board. That is all a
-/// scan says about it, and it does not depend on the noise of the ranges.
+/// The rim of the board lies between two neighbouring rays, of which one ended
+/// on the board. That is all a scan says about it, and it does not depend on
+/// the noise of the ranges.
 struct EdgeCrossing {
-  Eigen::Vector3f inside;   ///< unit direction of the ray that ended on the board, sensor frame
-  Eigen::Vector3f outside;  ///< of its neighbour past the rim, as that one meets the board's plane
-  /// m: how far behind the board the neighbour ended; infinite: nothing came back. Negative: before it, where
-  /// something covers the rim and tells nothing about it.
+  Eigen::Vector3f inside;   ///< unit direction of the ray that ended on the
+                            ///< board, sensor frame
+  Eigen::Vector3f outside;  ///< of its neighbour past the rim, as that one meets
+                            ///< the board's plane
+  /// m: how far behind the board the neighbour ended; infinite: nothing came
+  /// back. Negative: before it, where something covers the rim and tells
+  /// nothing about it.
   float jump = 0;
   std::uint16_t ring = 0;     ///< of `inside`
-  bool across_rings = false;  ///< the neighbour is of the next ring, where the board ends between two of them
+  bool across_rings = false;  ///< the neighbour is of the next ring, where the
+                              ///< board ends between two of them
 };
 
 /// A board found in a scan, roughly: what its rim is looked for around.
@@ -33,7 +38,8 @@ struct RimSearch {
   double noise;          ///< m, of one range
 };
 
-/// The crossings of the plate's rim, ring by ring. None where the rings are not known. Deterministic.
+/// The crossings of the plate's rim, ring by ring. None where the rings are not
+/// known. Deterministic.
 std::vector<EdgeCrossing> find_edge_crossings(const Scan& scan, const Projection& projection,
                                               const RimSearch& board);
 

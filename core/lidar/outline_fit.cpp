@@ -4,21 +4,31 @@
 #include <cmath>
 
 namespace ca2 {
-Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
-                       double radius, double band, std::size_t most) {
-  Placed placed{PatchFrame(plane, centre), {}, {}};
-  placed.rays = view_patch(context.image, placed.frame, radius, band, most);
+namespace {
+
+std::vector<PlaneSample> samples_of(const std::vector<PatchRay>& rays) {
   std::vector<PlaneSample> samples;
-  for (const PatchRay& ray : placed.rays) {
-    // A ray through the board is worth as much as a return on it; a missing return is weaker (black print),
-    // and something before the plane may hide either.
+  samples.reserve(rays.size());
+  for (const PatchRay& ray : rays) {
+    // A ray through the board is worth as much as a return on it; a missing
+    // return is weaker (black print), and something before the plane may hide
+    // either.
     const float weight = ray.end == RayEnd::on       ? 1.0f
                          : ray.end == RayEnd::behind ? -1.0f
                          : ray.end == RayEnd::absent ? -0.3f
                                                      : -0.05f;
     samples.push_back({ray.u, ray.v, weight});
   }
-  placed.rectangle = fit_rectangle(samples, context.width, context.height);
+  return samples;
+}
+
+}  // namespace
+
+Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
+                       const LookAround& look) {
+  Placed placed{PatchFrame(plane, centre), {}, {}};
+  placed.rays = view_patch(context.image, placed.frame, look.radius, look.band, look.most);
+  placed.rectangle = fit_rectangle(samples_of(placed.rays), context.width, context.height);
   return placed;
 }
 

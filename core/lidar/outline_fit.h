@@ -26,20 +26,27 @@ struct Placed {
   PlaneRectangle rectangle;
 };
 
-/// The board's rectangle where it covers most returns on the plane and fewest rays through it, among the
-/// rays that meet the plane within `radius` (m) of `centre`. `band`: m, so near the plane is on it.
-/// `most`: about so many rays are looked at; the cost is linear in them.
+/// Which rays are looked at.
+struct LookAround {
+  double radius;            ///< m, from the centre: those that meet the plane there
+  double band;              ///< m, returns so near the plane are on it
+  std::size_t most = 2000;  ///< about so many; the cost is linear in them
+};
+
+/// The board's rectangle where it covers most returns on the plane and fewest
+/// rays through it.
 Placed place_rectangle(const PatchContext& context, const Plane& plane, const Eigen::Vector3d& centre,
-                       double radius, double band, std::size_t most = 2000);
+                       const LookAround& look);
 
 /// The rectangle's centre, m, sensor frame.
 Eigen::Vector3d centre_of(const Placed& placed);
 
-/// T_lidar_board of the rectangle, moved onto `plane` (a refit of the one it was placed in).
+/// T_lidar_board of the rectangle, moved onto `plane` (a refit of the one it
+/// was placed in).
 Pose pose_of(const Placed& placed, const Plane& plane);
 
-/// Distance (m) by which a ray passes outside the rectangle, negative inside, and beyond which of its sides
-/// (0..3).
+/// Distance (m) by which a ray passes outside the rectangle, negative inside,
+/// and beyond which of its sides (0..3).
 double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray, int& side);
 
 }  // namespace ca2

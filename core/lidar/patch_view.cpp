@@ -46,6 +46,7 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
         image.row_angle[static_cast<std::size_t>((low + high) / 2)] * static_cast<float>(row_step);
     (rows < image.column_angle * static_cast<float>(column_step) ? row_step : column_step) *= 2;
   }
+  if (low <= high) rays.reserve(count() + 1);
   for (int row = low; row <= high; row += row_step) {
     const float slope = image.slope[static_cast<std::size_t>(row)],
                 height = image.height[static_cast<std::size_t>(row)];
@@ -54,21 +55,16 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
       if (!image.in_view[static_cast<std::size_t>(column)]) continue;
       const std::size_t i = image.index(row, column);
       const bool absent = image.range[i] == 0;
-      Eigen::Vector3f p = Eigen::Vector3f::Zero();
-      float cx, cy;
-      if (absent) {
-        const float angle = std::numbers::pi_v<float> - static_cast<float>(column) * image.column_angle;
-        cx = std::cos(angle), cy = std::sin(angle);
-      } else {
-        p = image.point(i);
-        const float scale = 1 / std::max(std::sqrt(p.x() * p.x() + p.y() * p.y()), 1e-3f);
-        cx = p.x() * scale, cy = p.y() * scale;
-      }
-      const float toward = n.x() * cx + n.y() * cy + n.z() * slope;
-      if (toward > -1e-3f) continue;
-      const float reach = -(d + n.z() * height) / toward;
-      if (reach <= 0) continue;
-      const Eigen::Vector3f meets = Eigen::Vector3f(reach * cx, reach * cy, height + reach * slope) - origin;
+      // Some point of the ray's cone, at the column's azimuth where nothing
+      // came back.
+      const Eigen::Vector3f p = absent ? image.direction[static_cast<std::size_t>(column)] : image.point(i);
+      const float across = absent ? 1.0f : std::sqrt(p.x() * p.x() + p.y() * p.y());
+      const float toward = n.x() * p.x() + n.y() * p.y() + n.z() * slope * across;
+      if (toward > -1e-3f * across) continue;
+      const float scale = -(d + n.z() * height) / toward;
+      if (scale <= 0) continue;
+      const Eigen::Vector3f meets =
+          Eigen::Vector3f(scale * p.x(), scale * p.y(), height + scale * across * slope) - origin;
       PatchRay ray{e_u.dot(meets), e_v.dot(meets), 0, RayEnd::absent, static_cast<std::uint32_t>(i)};
       if (ray.u * ray.u + ray.v * ray.v > limit * limit) continue;
       if (!absent) {

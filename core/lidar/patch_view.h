@@ -1,4 +1,5 @@
-/// @file What the rays around a place in a plane tell: on it, through it, or stopped before it.
+/// @file What the rays around a place in a plane tell: on it, through it, or
+/// stopped before it.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +17,12 @@ enum class RayEnd : std::uint8_t {
   absent,  ///< nothing came back: most likely nothing is there, or it is black
 };
 
-/// Where a cell's ray meets the plane. Not where its noisy point lies: that would cut the rim by noise.
+/// Where a cell's ray meets the plane. Not where its noisy point lies: that
+/// would cut the rim by noise.
 struct PatchRay {
   float u, v;      ///< m, in the plane, from PatchFrame::origin
-  float distance;  ///< m, of the return from the plane, positive towards the sensor; 0 when absent
+  float distance;  ///< m, of the return from the plane, positive towards the
+                   ///< sensor; 0 when absent
   RayEnd end;
   std::uint32_t cell;  ///< of the ring image
 };
@@ -32,8 +35,9 @@ struct PatchFrame {
   PatchFrame(const Plane& plane, const Eigen::Vector3d& near_point);
 };
 
-/// The rays that meet the plane within `radius` (m) of the frame's origin; about `most` of them, evenly
-/// thinned, row by row. `band`: m, returns so near the plane are on it.
+/// The rays that meet the plane within `radius` (m) of the frame's origin;
+/// about `most` of them, evenly thinned, row by row. `band`: m, returns so near
+/// the plane are on it.
 std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame, double radius, double band,
                                  std::size_t most);
 

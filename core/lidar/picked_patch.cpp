@@ -1,4 +1,5 @@
-// The paper's way to a board's plane: a person picks the board in the projection by ID.
+// The paper's way to a board's plane: a person picks the board in the
+// projection by ID.
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/segmentation/sac_segmentation.h>
@@ -21,14 +22,16 @@ struct PatchSize {
   double rows, columns;
 };
 
-/// Where no radius is given: what covers 0.35 of the board's shorter side at the picked range.
+/// Where no radius is given: what covers 0.35 of the board's shorter side at
+/// the picked range.
 PatchSize default_size(const RingImage& image, int row, float range, double short_side) {
   const double angle = 0.35 * short_side / range;
   return {std::max(1.0, angle / image.row_angle[static_cast<std::size_t>(row)]),
           std::max(2.0, angle / image.column_angle)};
 }
 
-/// The range of the picked cell, or of the nearest returns beside it when it is empty; 0 when there are none.
+/// The range of the picked cell, or of the nearest returns beside it when it is
+/// empty; 0 when there are none.
 float picked_range(const RingImage& image, int row, int column) {
   for (int away = 0; away <= 3; ++away) {
     for (const int c : {column - away, column + away}) {
@@ -120,7 +123,7 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   const PatchContext context{scan, projection, image, extent.width, extent.height, normal_rms};
   const double band = std::clamp(3.5 * normal_rms, 0.02, 0.08);
   candidate.T_lidar_board = pose_of(
-      place_rectangle(context, fit.plane, centre, 0.95 * std::hypot(extent.width, extent.height), band),
+      place_rectangle(context, fit.plane, centre, {0.95 * std::hypot(extent.width, extent.height), band}),
       fit.plane);
   if (board.outline) {
     candidate.crossings = find_edge_crossings(

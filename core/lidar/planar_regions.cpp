@@ -12,33 +12,47 @@ namespace {
 
 // Claims on a cell: at kClosed it starts no further region; kWall says why.
 constexpr std::uint8_t kClosed = 2, kWall = 3;
+constexpr std::uint32_t kMostStamps = 0xf0000000;
+constexpr float kLeastJump = 0.06f;  // m, between the board and what is behind it
 
-/// The largest power of two that is not over x; 1 below that. Powers of two keep the lattices of near and
-/// far surfaces nested, so that a surface visited coarsely is not visited again by finer seeds.
+/// The largest power of two that is not over x; 1 below that. Powers of two
+/// keep the lattices of near and far surfaces nested, so that a surface visited
+/// coarsely is not visited again by finer seeds.
 int power_of_two_below(float x) {
-  return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(x, 1.0f, 64.0f))));
+  constexpr int kMantissa = 23, kBias = 127;
+  const int exponent = static_cast<int>(std::bit_cast<std::uint32_t>(std::max(x, 1.0f)) >> kMantissa) - kBias;
+  return 1 << std::min(exponent, 6);
 }
 
 class RegionGrower {
  public:
-  RegionGrower(const RingImage& image, float width, float height)
+  RegionGrower(const RingImage& image, float width, float height, RegionMemory& memory)
       : image_(image),
+        memory_(memory),
         short_side_(std::min(width, height)),
         diagonal_(std::hypot(width, height)),
-        board_area_(width * height),
-        claims_(image.range.size(), 0),
-        stamps_(image.range.size(), 0) {
+        board_area_(width * height) {
     for (const float slope : image.slope) cosine_.push_back(1 / std::sqrt(1 + slope * slope));
+    memory_.claims.assign(image.range.size(), 0);
+    if (memory_.stamps.size() != image.range.size() || memory_.stamp > kMostStamps) {
+      memory_.stamps.assign(image.range.size(), 0);
+      memory_.stamp = 0;
+    }
   }
 
   PlanarRegions run() {
     PlanarRegions out;
     out.noise = estimate_noise();
     noise_ = out.noise;
-    for (int row = 0; row < image_.rows; ++row) {
-      for (int column = 0; column < image_.columns; ++column) {
+    jump_ = std::max(kLeastJump, 5 * noise_);
+    longest_ = 1.6f * diagonal_;
+    find_ring_runs(image_, {jump_, 0.25f * short_side_, longest_}, memory_.runs);
+    for (const RingRun& run : memory_.runs) {
+      for (int place = run.first; place <= run.last; ++place) {
+        const int row = run.row, column = image_.wrap(place);
         const std::size_t i = image_.index(row, column);
-        if (claims_[i] >= kClosed || !on_seed_lattice(row, column, image_.range[i])) continue;
+        if (memory_.claims[i] >= kClosed || !on_seed_lattice(row, column, image_.range[i])) continue;
+        if (!ends_above_and_below(row, column)) continue;
         const auto seed = fit_seed(row, column);
         if (!seed || seed->rms > 1.6f * noise_ + 0.004f) continue;
         if (auto region = grow(row, column, *seed)) out.regions.push_back(*std::move(region));
@@ -61,8 +75,28 @@ class RegionGrower {
     return (row & (rows - 1)) == 0 && (column & (columns - 1)) == 0;
   }
 
-  /// A plane through the surroundings of a cell, as far as the board's short side allows. Where rings lie
-  /// far apart the patch is the cell's ring and the one above.
+  /// Does the surface end within the board's size up and down, too? As RingWalk
+  /// asks along a ring.
+  bool ends_above_and_below(int row, int column) const {
+    const float start = image_.range[image_.index(row, column)];
+    float extent = 0;
+    for (const int way : {-1, 1}) {
+      float last = start;
+      for (int r = row + way; r >= 0 && r < image_.rows; r += way) {
+        const float range = image_.range[image_.index(r, column)];
+        if (range == 0) break;
+        const float step = range * image_.row_angle[static_cast<std::size_t>(way > 0 ? r - 1 : r)];
+        if (std::abs(range - last) > std::max(jump_, kSteep * step)) break;
+        extent += step;
+        last = range;
+      }
+    }
+    return extent < longest_;
+  }
+
+  /// A plane through the surroundings of a cell, as far as the board's short
+  /// side allows. Where rings lie far apart the patch is the cell's ring and
+  /// the one above.
   std::optional<PlaneSums::Fit> fit_seed(int row, int column) const {
     const Eigen::Vector3f& centre = image_.point(image_.index(row, column));
     const float range = image_.range[image_.index(row, column)], reach = 0.3f * short_side_;
@@ -88,10 +122,11 @@ class RegionGrower {
     return fit;
   }
 
-  /// Most of what a LiDAR sees is smooth: the middle one of the patches' residuals is noise alone.
+  /// Most of what a LiDAR sees is smooth: the middle one of the patches'
+  /// residuals is noise alone.
   float estimate_noise() const {
     std::vector<float> rms;
-    const int row_step = std::max(1, image_.rows / 24), column_step = std::max(1, image_.columns / 48);
+    const int row_step = std::max(1, image_.rows / 12), column_step = std::max(1, image_.columns / 24);
     for (int row = 0; row < image_.rows; row += row_step) {
       for (int column = 0; column < image_.columns; column += column_step) {
         const float range = image_.range[image_.index(row, column)];
@@ -107,38 +142,39 @@ class RegionGrower {
     return std::clamp(*middle, 0.003f, 0.025f);
   }
 
-  /// Flood fill of one plane on the lattice; none when it is a wall, or nothing near the board's size.
+  /// Flood fill of one plane on the lattice; none when it is a wall, or nothing
+  /// near the board's size.
   std::optional<PlanarRegion> grow(int seed_row, int seed_column, const PlaneSums::Fit& seed) {
-    ++stamp_;
+    ++memory_.stamp;
     PlaneSums::Fit plane = seed;
     const Eigen::Vector3f start = image_.point(image_.index(seed_row, seed_column));
     const float reach = diagonal_ * diagonal_ * 1.1f;
-    // The same to both sides of the plane; returns on a grazing surface scatter less across it.
+    // The same to both sides of the plane; returns on a grazing surface scatter
+    // less across it.
     const float band = std::clamp(3.5f * noise_ * std::max(0.4f, plane.offset / start.norm()), 0.02f, 0.08f);
     PlaneSums sums(start);
     PlanarRegion region;
     float far_area = 0;
     std::size_t refit_at = 24, on_walls = 0;
     bool wall = false;
-    queue_.clear();
-    member_.clear();
+    memory_.queue.clear();
+    memory_.members.clear();
     push(seed_row, seed_column);
-    for (std::size_t next = 0; next < queue_.size(); ++next) {
-      const auto [row, column] = queue_[next];
+    for (std::size_t next = 0; next < memory_.queue.size(); ++next) {
+      const auto [row, column] = memory_.queue[next];
       const std::size_t i = image_.index(row, column);
-      // The rest of a wall was claimed before.
-      if (wall && claims_[i] == kWall) continue;
       const Eigen::Vector3f& p = image_.point(i);
       if (std::abs(plane.normal.dot(p) + plane.offset) > band) continue;
-      on_walls += claims_[i] == kWall;
-      member_.push_back(static_cast<std::uint32_t>(i));
+      on_walls += memory_.claims[i] == kWall;
+      memory_.members.push_back(static_cast<std::uint32_t>(i));
       const float range = image_.range[i];
       const int rows = row_step(row, range), columns = column_step(range);
       const float facing = std::max(0.1f, plane.offset / range);  // cosine of the incidence
       const float area = row_gap(row, range) * static_cast<float>(rows) * column_gap(range) *
                          static_cast<float>(columns) * cosine_[static_cast<std::size_t>(row)] / facing;
-      // Hands and arms may lead on to the body along the plane: what is farther away than any part of the
-      // board counts apart, and does not bend the plane.
+      // Hands and arms may lead on to the body along the plane: what is farther
+      // away than any part of the board counts apart, and does not bend the
+      // plane.
       if ((p - start).squaredNorm() > reach) {
         far_area += area;
       } else {
@@ -146,23 +182,25 @@ class RegionGrower {
         region.cells.push_back(static_cast<std::uint32_t>(i));
         sums.add(p);
       }
-      if (member_.size() == refit_at) {
+      if (memory_.members.size() == refit_at) {
         if (sums.count() >= 12) plane = sums.fit();
         refit_at *= 2;
       }
-      wall = wall || region.area > 2.2f * board_area_ || far_area > 3 * board_area_ ||
-             (member_.size() >= 32 && on_walls * 5 > member_.size() * 3);
+      wall = region.area > 2.2f * board_area_ || far_area > 3 * board_area_ ||
+             (memory_.members.size() >= 32 && on_walls * 5 > memory_.members.size() * 3);
+      if (wall) break;
       visit(row, column - columns);
       visit(row, column + columns);
       visit(row - rows, column);
       visit(row + rows, column);
     }
     const bool fits = !wall && region.area > 0.3f * board_area_;
-    for (const std::uint32_t i : member_) {
-      const std::uint8_t claim = wall   ? kWall
-                                 : fits ? kClosed
-                                        : static_cast<std::uint8_t>(std::min(claims_[i] + 1, int{kClosed}));
-      claims_[i] = std::max(claims_[i], claim);
+    for (const std::uint32_t i : memory_.members) {
+      const std::uint8_t claim =
+          wall   ? kWall
+          : fits ? kClosed
+                 : static_cast<std::uint8_t>(std::min(memory_.claims[i] + 1, int{kClosed}));
+      memory_.claims[i] = std::max(memory_.claims[i], claim);
     }
     if (!fits) return std::nullopt;
     plane = sums.fit();
@@ -186,25 +224,22 @@ class RegionGrower {
 
   void push(int row, int column) {
     const std::size_t i = image_.index(row, column);
-    if (image_.range[i] == 0 || stamps_[i] == stamp_) return;
-    stamps_[i] = stamp_;
-    queue_.push_back({row, column});
+    if (image_.range[i] == 0 || memory_.stamps[i] == memory_.stamp) return;
+    memory_.stamps[i] = memory_.stamp;
+    memory_.queue.push_back({row, column});
   }
 
   const RingImage& image_;
+  RegionMemory& memory_;
   float short_side_, diagonal_, board_area_, noise_ = 0;
-  std::vector<float> cosine_;  ///< [row] of the elevation
-  std::vector<std::uint8_t> claims_;
-  std::vector<std::uint32_t> stamps_;  ///< the region that last visited a cell
-  std::uint32_t stamp_ = 0;
-  std::vector<std::pair<int, int>> queue_;
-  std::vector<std::uint32_t> member_;  ///< cells of the surface that is growing
+  float jump_ = 0, longest_ = 0;  ///< m, of runs
+  std::vector<float> cosine_;     ///< [row] of the elevation
 };
 
 }  // namespace
 
-PlanarRegions find_planar_regions(const RingImage& image, double width, double height) {
-  return RegionGrower(image, static_cast<float>(width), static_cast<float>(height)).run();
+PlanarRegions find_planar_regions(const RingImage& image, double width, double height, RegionMemory& memory) {
+  return RegionGrower(image, static_cast<float>(width), static_cast<float>(height), memory).run();
 }
 
 }  // namespace ca2

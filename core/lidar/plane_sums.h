@@ -8,7 +8,8 @@
 
 namespace ca2 {
 
-/// Total least squares in single precision: points are summed relative to an anchor close to them.
+/// Total least squares in single precision: points are summed relative to an
+/// anchor close to them.
 class PlaneSums {
  public:
   explicit PlaneSums(const Eigen::Vector3f& anchor) : anchor_(anchor) {}
@@ -16,7 +17,8 @@ class PlaneSums {
   void add(const Eigen::Vector3f& point) {
     const Eigen::Vector3f p = point - anchor_;
     sum_ += p;
-    square_ += p * p.transpose();
+    square_ += p.cwiseAbs2();
+    mixed_ += Eigen::Vector3f(p.x() * p.y(), p.y() * p.z(), p.z() * p.x());
     ++count_;
   }
   int count() const { return count_; }
@@ -25,13 +27,18 @@ class PlaneSums {
     Eigen::Vector3f normal;  ///< unit, towards the origin
     float offset;            ///< m, >= 0
     float rms;               ///< m
-    float thinness;          ///< middle over largest standard deviation in the plane: 0 for a line
+    float thinness;          ///< middle over largest standard deviation in the plane: 0
+                             ///< for a line
   };
   Fit fit() const {
     const float n = static_cast<float>(std::max(count_, 1));
     const Eigen::Vector3f mean = sum_ / n;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> eigen;
-    eigen.computeDirect(square_ / n - mean * mean.transpose());
+    Eigen::Matrix3f moments;
+    moments << square_.x(), mixed_.x(), mixed_.z(),  //
+        mixed_.x(), square_.y(), mixed_.y(),         //
+        mixed_.z(), mixed_.y(), square_.z();
+    eigen.computeDirect(moments / n - mean * mean.transpose());
     Fit fit;
     fit.normal = eigen.eigenvectors().col(0);
     fit.offset = -fit.normal.dot(anchor_ + mean);
@@ -46,7 +53,8 @@ class PlaneSums {
  private:
   Eigen::Vector3f anchor_;
   Eigen::Vector3f sum_ = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f square_ = Eigen::Matrix3f::Zero();
+  Eigen::Vector3f square_ = Eigen::Vector3f::Zero();
+  Eigen::Vector3f mixed_ = Eigen::Vector3f::Zero();  ///< xy, yz, zx
   int count_ = 0;
 };
 

@@ -8,10 +8,12 @@
 namespace ca2 {
 namespace {
 
-/// Per ring the straight line z = height + slope * rho through its returns: beams of one ring lie on a cone
-/// whose apex need not be the origin. A ring whose returns are all equally far says nothing about the apex,
-/// which then is taken for the origin: the ridge stands for a prior of about 0.2 m. Some hundred returns of a
-/// ring tell it: noise along a beam does not leave the cone.
+/// Per ring the straight line z = height + slope * rho through its returns:
+/// beams of one ring lie on a cone whose apex need not be the origin. A ring
+/// whose returns are all equally far says nothing about the apex, which then is
+/// taken for the origin: the ridge stands for a prior of about 0.2 m. Some
+/// hundred returns of a ring tell it: noise along a beam does not leave the
+/// cone.
 void fit_cones(const Scan& scan, Projection& out) {
   out.slope.assign(static_cast<std::size_t>(out.rings), std::numeric_limits<float>::quiet_NaN());
   out.height.assign(static_cast<std::size_t>(out.rings), 0);
@@ -42,31 +44,44 @@ void fit_cones(const Scan& scan, Projection& out) {
   });
 }
 
-/// Every return that has a place, with its cell and range (m), to `take`, until that says false.
+/// Every return that has a place, with its cell and range (m), to `take`, until
+/// that says false.
 template <class Take>
 bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Take take) {
-  const std::vector<std::uint16_t>& ring = rings.of(scan);
-  const std::vector<std::uint32_t>& column = columns.of(scan);
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3f& p = scan.points[i];
-    if (ring[i] == RingIds::none || !is_return(p)) continue;
-    const std::size_t cell =
-        static_cast<std::size_t>(ring[i]) * columns.columns + columns.column(column[i], ring[i]);
-    if (!take(static_cast<std::uint32_t>(i), cell, std::sqrt(p.squaredNorm()))) return false;
+  // Plain pointers, as the compiler must not think that `take` moves the
+  // arrays.
+  const std::uint16_t* const ring = rings.of(scan).data();
+  const std::uint32_t* const column = columns.of(scan).data();
+  const Eigen::Vector3f* const points = scan.points.data();
+  const std::uint32_t* const shift = columns.shift.data();
+  const auto count = static_cast<std::uint32_t>(columns.columns);
+  const bool backwards = columns.backwards;
+  for (std::size_t i = 0, size = scan.size(); i < size; ++i) {
+    const float square = points[i].squaredNorm();
+    if (ring[i] == RingIds::none || !is_return(square)) continue;
+    std::uint32_t id = column[i] < count ? column[i] : column[i] % count;
+    if (backwards && id > 0) id = count - id;
+    id += shift[ring[i]];
+    if (id >= count) id -= count;
+    const std::size_t cell = static_cast<std::size_t>(ring[i]) * count + id;
+    if (!take(static_cast<std::uint32_t>(i), cell, std::sqrt(square))) return false;
   }
   return true;
 }
 
-/// One sweep of most sensors: a place for every cell. False when some cell has two returns.
+/// One sweep of most sensors: a place for every cell. False when some cell has
+/// two returns.
 bool fill_one_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
   const std::size_t cells = static_cast<std::size_t>(out.rings) * out.columns;
   out.first.clear();
   out.returns.assign(cells, Projection::none);
   out.range.assign(cells, 0.0f);
-  return for_each_return(scan, rings, columns, [&](std::uint32_t i, std::size_t cell, float range) {
-    if (out.returns[cell] != Projection::none) return false;
-    out.returns[cell] = i;
-    out.range[cell] = range;
+  std::uint32_t* const returns = out.returns.data();
+  float* const ranges = out.range.data();
+  return for_each_return(scan, rings, columns, [=](std::uint32_t i, std::size_t cell, float range) {
+    if (returns[cell] != Projection::none) return false;
+    returns[cell] = i;
+    ranges[cell] = range;
     return true;
   });
 }

@@ -1,4 +1,5 @@
-/// @file The projection by ID: a scan as the picture its sensor took, ring x column.
+/// @file The projection by ID: a scan as the picture its sensor took, ring x
+/// column.
 #pragma once
 
 #include <cstdint>
@@ -9,22 +10,28 @@
 
 namespace ca2 {
 
-/// Which returns fall in which cell: [ring * columns + column]. Column 0 looks backwards (azimuth pi) and
-/// columns rise clockwise seen from above, so that the picture is not mirrored; rings keep the scan's ids.
-/// Beams of a ring that look beside their column (Ouster's staggered beams, the HDL-64E's rotational offsets)
-/// are shifted into line. A cell keeps all its returns: a gathered scan has several sweeps.
+/// Which returns fall in which cell: [ring * columns + column]. Column 0 looks
+/// backwards (azimuth pi) and columns rise clockwise seen from above, so that
+/// the picture is not mirrored; rings keep the scan's ids. Beams of a ring that
+/// look beside their column (Ouster's staggered beams, the HDL-64E's rotational
+/// offsets) are shifted into line. A cell keeps all its returns: a gathered
+/// scan has several sweeps.
 struct Projection {
   int rings = 0;
   int columns = 0;     ///< of a full turn
   bool beams = false;  ///< rings are the sensor's, not just slices of elevation
-  /// Indices of the scan, cell by cell; NaN and zero points are left out. Where no cell has two returns (one
-  /// sweep), there is one place per cell, `none` for an empty one; else `first` says where a cell begins.
+  /// Indices of the scan, cell by cell; NaN and zero points are left out. Where
+  /// no cell has two returns (one sweep), there is one place per cell, `none`
+  /// for an empty one; else `first` says where a cell begins.
   std::vector<std::uint32_t> returns;
   std::vector<std::uint32_t> first;  ///< empty, or [cell], into `returns`; one more at the end
-  std::vector<float> range;          ///< m, [cell] of its nearest return, from the frame's origin; 0: none
-  std::vector<float> slope;   ///< per ring: z = height + slope * horizontal distance; NaN for an empty ring
-  std::vector<float> height;  ///< m, per ring: where its beams start (they need not pass the origin)
-  std::vector<int> by_elevation;  ///< rings that have returns, lowest first
+  std::vector<float> range;          ///< m, [cell] of its nearest return, from the
+                                     ///< frame's origin; 0: none
+  std::vector<float> slope;          ///< per ring: z = height + slope * horizontal
+                                     ///< distance; NaN for an empty ring
+  std::vector<float> height;         ///< m, per ring: where its beams start (they need
+                                     ///< not pass the origin)
+  std::vector<int> by_elevation;     ///< rings that have returns, lowest first
 
   static constexpr std::uint32_t none = 0xffffffff;
 
@@ -39,13 +46,14 @@ struct Projection {
   double column_angle() const;
 };
 
-/// Rings and columns as the scan names them; rings recovered from elevations and columns from azimuths, at
-/// the resolution found in the data, where it does not. Never fails: a scan without points has no cells.
-/// `spare`: a projection that is no longer needed, for its memory.
+/// Rings and columns as the scan names them; rings recovered from elevations
+/// and columns from azimuths, at the resolution found in the data, where it
+/// does not. Never fails: a scan without points has no cells. `spare`: a
+/// projection that is no longer needed, for its memory.
 Projection project_by_id(const Scan& scan, Projection spare = {});
 
-/// Intensity of each cell's nearest return in the vendor's unit (zeros when not known). 0 where nothing came
-/// back. [ring * columns + column]
+/// Intensity of each cell's nearest return in the vendor's unit (zeros when not
+/// known). 0 where nothing came back. [ring * columns + column]
 std::vector<float> intensity_image(const Projection& projection, const Scan& scan);
 
 }  // namespace ca2

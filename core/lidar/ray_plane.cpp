@@ -7,11 +7,13 @@
 namespace ca2 {
 namespace {
 
-/// 1.4826 times the median absolute residual: the standard deviation of normal noise.
-double robust_scale(std::vector<double> residuals) {
-  for (double& r : residuals) r = std::abs(r);
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
+/// 1.4826 times the median absolute residual: the standard deviation of normal
+/// noise. `scratch` is used up.
+double robust_scale(const std::vector<double>& residuals, std::vector<double>& scratch) {
+  scratch.resize(residuals.size());
+  for (std::size_t i = 0; i < residuals.size(); ++i) scratch[i] = std::abs(residuals[i]);
+  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
+  std::nth_element(scratch.begin(), middle, scratch.end());
   return std::max(1.4826 * *middle, 1e-4);
 }
 
@@ -31,37 +33,50 @@ double range_residual(const Plane& plane, const Eigen::Vector3d& point) {
 RangeFit fit_ranges(std::span<const Eigen::Vector3d> points, const Plane& start) {
   RangeFit fit{start, 0, 0};
   if (points.size() < 3 || start.offset <= 0) return fit;
-  std::vector<double> residuals(points.size());
-  // The plane as m = n / d: the range along the unit ray f is -1 / (m . f), whose derivative is range^2 f.
+  const std::size_t count = points.size();
+  std::vector<Eigen::Vector3d> rays(count);
+  std::vector<double> ranges(count), residuals(count), scratch;
+  for (std::size_t i = 0; i < count; ++i) {
+    ranges[i] = points[i].norm();
+    rays[i] = points[i] / ranges[i];
+  }
+  // The plane as m = n / d: the range along the unit ray f is -1 / (m . f),
+  // whose derivative is range^2 f.
   Eigen::Vector3d m = start.normal / start.offset;
+  const auto measure = [&] {
+    const double least = 1e-3 * m.norm();
+    for (std::size_t i = 0; i < count; ++i) {
+      residuals[i] = ranges[i] + 1 / std::min(m.dot(rays[i]), -least);
+    }
+  };
   for (int iteration = 0; iteration < 6; ++iteration) {
-    const Plane plane{m.normalized(), 1 / m.norm()};
-    for (std::size_t i = 0; i < points.size(); ++i) residuals[i] = range_residual(plane, points[i]);
-    fit.sigma = robust_scale(residuals);
+    measure();
+    fit.sigma = robust_scale(residuals, scratch);
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       const double weight = tukey_weight(residuals[i] / fit.sigma);
       if (weight == 0) continue;
-      const double range = points[i].norm(), predicted = range - residuals[i];
-      const Eigen::Vector3d J = predicted * predicted * (points[i] / range);
-      H += weight * J * J.transpose();
-      g += weight * residuals[i] * J;
+      const double predicted = ranges[i] - residuals[i];
+      const Eigen::Vector3d J = predicted * predicted * rays[i], weighted = weight * J;
+      H.col(0) += weighted.x() * J;
+      H.col(1) += weighted.y() * J;
+      H.col(2) += weighted.z() * J;
+      g += residuals[i] * weighted;
     }
-    // Two rings fix the plane only just; a tiny ridge keeps points on a line from throwing it about.
+    // Two rings fix the plane only just; a tiny ridge keeps points on a line
+    // from throwing it about.
     H.diagonal().array() += 1e-9 * H.trace();
     const Eigen::Vector3d step = H.ldlt().solve(g);
     if (!step.allFinite() || (m + step).norm() < 1e-3) break;
     m += step;
-    if (step.norm() < 1e-9 * m.norm()) break;
+    if (step.norm() < 1e-6 * m.norm()) break;
   }
   fit.plane = {m.normalized(), 1 / m.norm()};
+  measure();
   double sum = 0;
-  for (const Eigen::Vector3d& p : points) {
-    const double r = range_residual(fit.plane, p);
-    sum += r * r;
-  }
-  fit.rms = std::sqrt(sum / static_cast<double>(points.size()));
+  for (const double r : residuals) sum += r * r;
+  fit.rms = std::sqrt(sum / static_cast<double>(count));
   return fit;
 }
 

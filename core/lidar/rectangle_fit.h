@@ -5,8 +5,8 @@
 
 namespace ca2 {
 
-/// Where a ray meets the plane, and what that says: positive for a return on the plane, negative for a ray
-/// that went through it.
+/// Where a ray meets the plane, and what that says: positive for a return on
+/// the plane, negative for a ray that went through it.
 struct PlaneSample {
   float u, v;    ///< m, in the plane
   float weight;  ///< of being inside the rectangle
@@ -21,8 +21,8 @@ struct PlaneRectangle {
   void local(double pu, double pv, double& x, double& y) const;
 };
 
-/// The pose of the rectangle with the largest weight inside; where many are as good (rings lie far apart),
-/// the middle of them. Deterministic.
+/// The pose of the rectangle with the largest weight inside; where many are as
+/// good (rings lie far apart), the middle of them. Deterministic.
 PlaneRectangle fit_rectangle(std::span<const PlaneSample> samples, double width, double height);
 
 }  // namespace ca2

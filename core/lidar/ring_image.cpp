@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace ca2 {
 namespace {
 
-/// Returns of several sweeps in one cell: the mean of those near the (lower) median range, so that neither
-/// a passer-by nor a mixed pixel moves the point, and noise averages out.
+/// Returns of several sweeps in one cell: the mean of those near the (lower)
+/// median range, so that neither a passer-by nor a mixed pixel moves the point,
+/// and noise averages out.
 Eigen::Vector3f gathered_point(const Scan& scan, std::span<const std::uint32_t> cell,
                                std::vector<float>& ranges) {
   constexpr float kAgree = 0.06f;  // m, three times the noise of the worst sensor
@@ -72,6 +74,14 @@ RingImage make_ring_image(const Projection& projection, const Scan& scan, RingIm
     image.place = projection.returns;
   } else {
     gather_cells(projection, scan, image);
+  }
+  if (image.direction.size() != static_cast<std::size_t>(image.columns)) {
+    image.direction.clear();
+    for (int column = 0; column < image.columns; ++column) {
+      const double azimuth = std::numbers::pi - column * projection.column_angle();
+      image.direction.emplace_back(static_cast<float>(std::cos(azimuth)),
+                                   static_cast<float>(std::sin(azimuth)), 0.0f);
+    }
   }
   image.in_view.assign(static_cast<std::size_t>(image.columns), 0);
   for (int column = 0; column < image.columns; ++column) {

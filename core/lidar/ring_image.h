@@ -1,4 +1,5 @@
-/// @file The projection by ID as the finder works on it: one point per cell, rows in order of elevation.
+/// @file The projection by ID as the finder works on it: one point per cell,
+/// rows in order of elevation.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,8 +12,9 @@
 
 namespace ca2 {
 
-/// The neighbourhood of the finder: the cells of a projection, whose columns wrap around. Looks into the
-/// projection and the scan it was made from, which must outlive it.
+/// The neighbourhood of the finder: the cells of a projection, whose columns
+/// wrap around. Looks into the projection and the scan it was made from, which
+/// must outlive it.
 struct RingImage {
   RingImage() = default;
   RingImage(RingImage&&) = default;
@@ -20,13 +22,14 @@ struct RingImage {
 
   int rows = 0;  ///< rings with returns, lowest first
   int columns = 0;
-  float column_angle = 0;             ///< rad
-  std::vector<int> ring;              ///< [row] the projection's ring
-  std::vector<int> row_of;            ///< [ring]
-  std::vector<float> slope, height;   ///< [row] the cone, as in Projection
-  std::vector<float> row_angle;       ///< [row] rad to the next row (the last: from the one before)
-  std::span<const float> range;       ///< [cell] m, from the origin; 0: nothing came back
-  std::vector<std::uint8_t> in_view;  ///< [column] something came back in some row
+  float column_angle = 0;                  ///< rad
+  std::vector<int> ring;                   ///< [row] the projection's ring
+  std::vector<int> row_of;                 ///< [ring]
+  std::vector<float> slope, height;        ///< [row] the cone, as in Projection
+  std::vector<float> row_angle;            ///< [row] rad to the next row (the last: from the one before)
+  std::span<const float> range;            ///< [cell] m, from the origin; 0: nothing came back
+  std::vector<std::uint8_t> in_view;       ///< [column] something came back in some row
+  std::vector<Eigen::Vector3f> direction;  ///< [column] its azimuth: horizontal, unit
 
   /// The projection's cell.
   std::size_t index(int row, int column) const {

@@ -18,7 +18,8 @@ float wrapped(float fraction) {
   return fraction - std::round(fraction);
 }
 
-/// Middle of small positive steps, by histogram; steps over 2 degrees are jumps, not steps of the sensor.
+/// Middle of small positive steps, by histogram; steps over 2 degrees are
+/// jumps, not steps of the sensor.
 class StepHistogram {
  public:
   void add(float step) {
@@ -51,8 +52,9 @@ std::vector<float> turns_of(const Scan& scan, const std::vector<std::uint16_t>& 
   return turns;
 }
 
-/// Columns in a turn, from how far the sensor turned between returns of one ring that came one after the
-/// other; from the gaps between their sorted azimuths when the file's order says nothing.
+/// Columns in a turn, from how far the sensor turned between returns of one
+/// ring that came one after the other; from the gaps between their sorted
+/// azimuths when the file's order says nothing.
 int columns_from_azimuths(const RingIds& rings, const std::vector<std::uint16_t>& ring,
                           const std::vector<float>& turns) {
   StepHistogram in_order;
@@ -84,8 +86,8 @@ int columns_from_azimuths(const RingIds& rings, const std::vector<std::uint16_t>
   return std::clamp(static_cast<int>(std::lround(1 / *step)), kMinColumns, kMaxColumns);
 }
 
-/// The constant part of the rings' azimuths against columns of this size, in columns: the mean of the
-/// fractions on the circle.
+/// The constant part of the rings' azimuths against columns of this size, in
+/// columns: the mean of the fractions on the circle.
 std::vector<float> ring_phases(const RingIds& rings, const std::vector<std::uint16_t>& ring,
                                const std::vector<float>& turns, float columns) {
   std::vector<Eigen::Vector2f> sum(static_cast<std::size_t>(rings.rings), Eigen::Vector2f::Zero());
@@ -122,17 +124,23 @@ ColumnIds columns_by_azimuth(const Scan& scan, const RingIds& rings) {
 std::vector<Eigen::Vector2f> column_directions(int columns) {
   std::vector<Eigen::Vector2f> list;
   list.reserve(static_cast<std::size_t>(columns));
-  const double step = 2 * std::numbers::pi / columns;
+  const double step = 2 * std::numbers::pi / columns, c = std::cos(step), s = std::sin(step);
+  double x = 1, y = 0;
   for (int i = 0; i < columns; ++i) {
-    list.emplace_back(static_cast<float>(std::cos(i * step)), static_cast<float>(std::sin(i * step)));
+    list.emplace_back(static_cast<float>(x), static_cast<float>(y));
+    const double turned = x * c - y * s;
+    y = x * s + y * c;
+    x = turned;
   }
   return list;
 }
 
-/// Samples of a ring are enough to tell where its columns look: about this many.
+/// Samples of a ring are enough to tell where its columns look: about this
+/// many.
 constexpr std::size_t kSamples = 64;
 
-/// A step through a scan that comes by all rings: no sensor has a multiple of these primes.
+/// A step through a scan that comes by all rings: no sensor has a multiple of
+/// these primes.
 std::size_t sampling_step(std::size_t returns, int rings) {
   std::size_t best = 1;
   for (const std::size_t prime : {7, 13, 29, 61, 127, 251}) {
@@ -141,8 +149,9 @@ std::size_t sampling_step(std::size_t returns, int rings) {
   return best;
 }
 
-/// The scan's own columns shifted per ring so that a column is an azimuth; nothing when they are not the
-/// same azimuth in all sweeps (firings counted from the start of scans that start anywhere).
+/// The scan's own columns shifted per ring so that a column is an azimuth;
+/// nothing when they are not the same azimuth in all sweeps (firings counted
+/// from the start of scans that start anywhere).
 std::optional<ColumnIds> columns_as_given(const Scan& scan, const RingIds& rings) {
   if (scan.column.size() != scan.size() || scan.empty() || !rings.beams) return std::nullopt;
   const int columns = scan.columns;
@@ -151,7 +160,8 @@ std::optional<ColumnIds> columns_as_given(const Scan& scan, const RingIds& rings
   const std::vector<Eigen::Vector2f> direction = column_directions(columns);
   const std::size_t step = sampling_step(scan.size(), rings.rings);
   for (const float sign : {1.0f, -1.0f}) {
-    // Position minus id on the circle: its mean is the ring's shift, its scatter tells whether ids fit.
+    // Position minus id on the circle: its mean is the ring's shift, its
+    // scatter tells whether ids fit.
     std::vector<Eigen::Vector2f> sum(static_cast<std::size_t>(rings.rings), Eigen::Vector2f::Zero());
     std::vector<int> used(sum.size(), 0);
     for (std::size_t i = 0; i < scan.size(); i += step) {
@@ -167,7 +177,8 @@ std::optional<ColumnIds> columns_as_given(const Scan& scan, const RingIds& rings
     float together = 0, all = 0;
     for (std::size_t r = 0; r < sum.size(); ++r)
       together += sum[r].norm(), all += static_cast<float>(used[r]);
-    // For a small scatter of standard deviation s the mean vector's length is 1 - s^2 / 2: s of 0.7 columns.
+    // For a small scatter of standard deviation s the mean vector's length is 1
+    // - s^2 / 2: s of 0.7 columns.
     const auto count = static_cast<float>(columns);
     const float scatter = 0.7f * 2 * kPi / count;
     if (all == 0 || 1 - together / all > scatter * scatter / 2 + 1e-6f) continue;

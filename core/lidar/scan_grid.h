@@ -10,25 +10,30 @@
 
 namespace ca2 {
 
-/// rad, in [-pi, pi]; error under 2e-5, which is a hundredth of the finest column, at a fifth of atan2's
-/// time.
+/// rad, in [-pi, pi]; error under 2e-5, which is a hundredth of the finest
+/// column, at a fifth of atan2's time.
 inline float fast_azimuth(float x, float y) {
   const float ax = std::abs(x), ay = std::abs(y);
   const float a = std::min(ax, ay) / std::max(std::max(ax, ay), 1e-30f), s = a * a;
-  // Odd minimax polynomial of the arc tangent on [0, 1] (Abramowitz and Stegun 4.4.49).
+  // Odd minimax polynomial of the arc tangent on [0, 1] (Abramowitz and
+  // Stegun 4.4.49).
   float angle = a * (0.9998660f + s * (-0.3302995f + s * (0.1801410f + s * (-0.0851330f + s * 0.0208351f))));
   if (ay > ax) angle = std::numbers::pi_v<float> / 2 - angle;
   if (x < 0) angle = std::numbers::pi_v<float> - angle;
   return y < 0 ? -angle : angle;
 }
 
-/// A return that is one: finite, and not the zeros some drivers write for a missing return.
+/// A return that is one: finite, and not the zeros some drivers write for a
+/// missing return.
+inline bool is_return(float squared_range) {
+  return squared_range > 1e-4f && squared_range < 1e8f;
+}
 inline bool is_return(const Eigen::Vector3f& p) {
-  const float square = p.squaredNorm();
-  return square > 1e-4f && square < 1e8f;
+  return is_return(p.squaredNorm());
 }
 
-/// A ring for every return, `none` for those that have no place. Missing returns may have one.
+/// A ring for every return, `none` for those that have no place. Missing
+/// returns may have one.
 struct RingIds {
   static constexpr std::uint16_t none = 0xffff;
   std::vector<std::uint16_t> found;  ///< empty: the scan's own
@@ -39,8 +44,8 @@ struct RingIds {
 };
 RingIds find_rings(const Scan& scan);
 
-/// A column for every return (meaningless where the ring is `none`): the given or found id, counted backwards
-/// if so, and shifted with its ring.
+/// A column for every return (meaningless where the ring is `none`): the given
+/// or found id, counted backwards if so, and shifted with its ring.
 struct ColumnIds {
   std::vector<std::uint32_t> found;  ///< empty: the scan's own
   int columns = 0;
@@ -48,13 +53,6 @@ struct ColumnIds {
   std::vector<std::uint32_t> shift;  ///< [ring], below `columns`
 
   const std::vector<std::uint32_t>& of(const Scan& scan) const { return found.empty() ? scan.column : found; }
-  std::uint32_t column(std::uint32_t id, std::uint16_t ring) const {
-    const auto count = static_cast<std::uint32_t>(columns);
-    if (id >= count) id %= count;
-    if (backwards && id > 0) id = count - id;
-    id += shift[ring];
-    return id >= count ? id - count : id;
-  }
 };
 ColumnIds find_columns(const Scan& scan, const RingIds& rings);
 

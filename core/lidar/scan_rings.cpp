@@ -20,9 +20,10 @@ RingIds given_rings(const Scan& scan) {
   return ids;
 }
 
-/// Beams leave empty elevations between them: groups of filled bins, parted by empty ones, are rings.
-/// Returns the ring of each bin, or nothing when the elevations run into each other (beams that start away
-/// from the origin are seen under an elevation that changes with range).
+/// Beams leave empty elevations between them: groups of filled bins, parted by
+/// empty ones, are rings. Returns the ring of each bin, or nothing when the
+/// elevations run into each other (beams that start away from the origin are
+/// seen under an elevation that changes with range).
 std::vector<int> cluster_bins(const std::vector<int>& histogram, int returns) {
   std::vector<int> ring_of_bin(histogram.size(), -1);
   const int stray = std::max(1, returns / 20000);  // moved by noise of near points
@@ -42,8 +43,9 @@ std::vector<int> cluster_bins(const std::vector<int>& histogram, int returns) {
   return parted ? ring_of_bin : std::vector<int>{};
 }
 
-/// Do all returns of each ring lie on a cone z = height + slope * rho? Noise along a beam does not leave it,
-/// so this holds to the rounding of the file for the right rings, and for no others.
+/// Do all returns of each ring lie on a cone z = height + slope * rho? Noise
+/// along a beam does not leave it, so this holds to the rounding of the file
+/// for the right rings, and for no others.
 template <class RingOf>
 bool on_cones(const Scan& scan, int rings, RingOf ring_of) {
   struct Sums {
@@ -68,8 +70,9 @@ bool on_cones(const Scan& scan, int rings, RingOf ring_of) {
   return count > 0 && residual < count * kRounding * kRounding;
 }
 
-/// Clouds that keep a place for every measurement say the ring by the index: firing after firing, or ring
-/// after ring. True when one of the usual numbers of beams fits.
+/// Clouds that keep a place for every measurement say the ring by the index:
+/// firing after firing, or ring after ring. True when one of the usual numbers
+/// of beams fits.
 bool rings_by_index(const Scan& scan, RingIds& ids) {
   for (const int rings : {16, 32, 40, 64, 80, 128}) {
     const std::size_t columns = scan.size() / static_cast<std::size_t>(rings);
@@ -89,7 +92,8 @@ bool rings_by_index(const Scan& scan, RingIds& ids) {
   return false;
 }
 
-/// Slices of equal elevation with a column's height or about twice it: as many as leave few cells empty.
+/// Slices of equal elevation with a column's height or about twice it: as many
+/// as leave few cells empty.
 int slice_count(std::size_t returns, float field) {
   const double cell =
       1.5 * field * 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(returns, 1));
