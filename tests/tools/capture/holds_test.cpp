@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/left_out.h"
 #include "tests/tools/capture/feature_host.h"
 #include "tools/sim/scenario_file.h"
 
@@ -62,6 +63,10 @@ Tally count(const PersonMotion& motion, const FeatureHost& host, double clock_of
 
 class Holds : public testing::TestWithParam<const char*> {
  protected:
+  void SetUp() override {
+    if (test::left_out(GetParam())) GTEST_SKIP() << "built without this rig's board";
+  }
+
   static Scenario scenario(int views) {
     const auto file =
         std::filesystem::path(CA2_SOURCE_DIR) / "config/scenarios" / (std::string(GetParam()) + ".yaml");
