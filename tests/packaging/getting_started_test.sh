@@ -10,7 +10,7 @@ if [ $# -ge 1 ]; then
   ln -s "$(realpath "$1")" "$work/bin/ca2"
   PATH=$work/bin:$PATH
 fi
-ca2 board --help | grep -q charuco || { echo "this ca2 was built without the manual's board"; exit 77; }
+grep -q '{.*charuco.*}' <<<"$(ca2 board --help)" || { echo "this ca2 was built without the manual's board"; exit 77; }
 # The blocks marked sh; before it is installed the scenarios are in the tree.
 sed -n '/^```sh$/,/^```$/p' "$manual" | grep -v '^```' | sed "s#/usr/share/ca2/scenarios#$(realpath "${2:-/usr/share/ca2/scenarios}")#" >"$work/commands"
 [ "$(wc -l <"$work/commands")" -ge 8 ]
