@@ -38,12 +38,23 @@ std::vector<Corner> completed(const Board& board, const Image& grey8, const std:
 
 std::vector<Corner> detect_board(const Board& board, const Image& image) {
   const Image grey8 = to_grey8(image);
+  const GreyImage grey = to_grey(image);
+  const bool has_markers = !board.type->repeats(board);
   std::vector<Corner> found = board.type->find(board, grey8);
-  if (!found.empty() && !board.type->repeats(board)) found = completed(board, grey8, found);
+  if (!found.empty() && has_markers) found = completed(board, grey8, found);
   if (found.size() < 6) return {};
-  std::vector<Corner> corners = refine_corners(board, to_grey(image), found);
+  std::vector<Corner> corners = refine_corners(board, grey, found);
+  // What is printed in small squares hides corners from the search, or moves them: refined neighbours know
+  // better where they are.
+  while (has_markers && corners.size() >= 6) {
+    const std::vector<Corner> more =
+        refine_corners(board, grey, CornerSearch(board, grey8).with_neighbours(corners));
+    if (more.size() <= corners.size()) break;
+    corners = more;
+  }
   // A board most of whose corners do not look like corners is not a board.
   if (corners.size() < 6 || 2 * corners.size() < found.size() || !span_plane(board, corners)) return {};
+  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
   return corners;
 }
 

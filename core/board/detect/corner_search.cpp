@@ -68,7 +68,6 @@ bool CornerSearch::right_sense(int id, const Neighbourhood& lattice, const Eigen
   return (bright.x() * bright.y() > 0) != main_black;
 }
 
-/// The corners, and after them where the board's others should be, one step from those.
 std::vector<Corner> CornerSearch::with_neighbours(const std::vector<Corner>& found) const {
   std::vector<Corner> all = found;
   std::vector<bool> known(points_.size(), false);

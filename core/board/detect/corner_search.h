@@ -19,16 +19,18 @@ class CornerSearch {
   /// Those of `expected` that are there, each within `reach` times the distance to its nearest neighbour.
   std::vector<Corner> find(std::span<const Corner> expected, double reach) const;
 
-  /// Adds the board's other corners that are there, one step of the pitch from those in `corners`. How many
-  /// were added.
+  /// Adds the neighbours of those in `corners` that are there. How many were added.
   std::size_t grow(std::vector<Corner>& corners, double reach) const;
+
+  /// The corners, and after them where the board's others should be that are one step of the pitch from
+  /// those.
+  std::vector<Corner> with_neighbours(const std::vector<Corner>& found) const;
 
  private:
   std::vector<Corner> find_from(std::span<const Corner> expected, std::size_t first, double reach) const;
   std::optional<Eigen::Vector2d> corner_near(const Corner& expected, const Neighbourhood& lattice,
                                              double reach_in_spacings) const;
   bool right_sense(int id, const Neighbourhood& lattice, const Eigen::Vector2d& bright) const;
-  std::vector<Corner> with_neighbours(const std::vector<Corner>& found) const;
 
   const Board& board_;
   const Image& grey8_;

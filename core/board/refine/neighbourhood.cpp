@@ -89,9 +89,15 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
         found.reset();
         break;
       }
-      // At the end of a line the next corner's bend is the best guess: in pixels, for the spacing shrinks.
+      // At the end of a line the next corner's bend is the best guess: in pixels, for the spacing shrinks;
+      // and it goes on changing as it does from the one after that to the next.
       const long beside = before != nullptr && after != nullptr ? 0 : (after != nullptr ? 1 : -1);
-      const auto bent = bend(moved(cell, axis, beside), axis);
+      auto bent = bend(moved(cell, axis, beside), axis);
+      if (const auto beyond = bend(moved(cell, axis, 2 * beside), axis); beside != 0 && bent && beyond) {
+        const auto pixel = [&](long by) { return *pixel_at(moved(cell, axis, by * beside)); };
+        const double ratio = (pixel(1) - pixel(0)).norm() / (pixel(2) - pixel(1)).norm();
+        bent->curvature += ratio * (bent->curvature - beyond->curvature);
+      }
       const Eigen::Vector2d second = bent ? bent->second : Eigen::Vector2d::Zero();
       Eigen::Vector2d& along = found->along[axis];
       // The parabola through the corner and its neighbours: its slope at the corner.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/board/board.h"
+#include "core/board/detect/print_search.h"
 #include "core/board/types/lattice.h"
 
 namespace ca2 {
@@ -114,8 +115,22 @@ class Charuco final : public BoardType {
     if (grey8.empty()) return {};
     const Dictionary* dictionary = find_dictionary(board.dictionary);
     if (dictionary == nullptr) return {};
+    std::vector<Corner> found = find_by_markers(board, *dictionary, grey8);
+    // Below some 20 px a square's marker cannot be read any more, all of them together can.
+    if (2 * found.size() < static_cast<std::size_t>((board.columns - 1) * (board.rows - 1))) {
+      const int bits = dictionary->markerSize;
+      const SquarePrint print{bits, board.marker / board.square * bits / (bits + 2)};
+      std::vector<Corner> by_print = find_by_print(board, print, grey8);
+      if (by_print.size() > found.size()) return by_print;
+    }
+    return found;
+  }
+
+ private:
+  static std::vector<Corner> find_by_markers(const Board& board, const Dictionary& dictionary,
+                                             const Image& grey8) {
     const cv::Mat picture(grey8.height, grey8.width, CV_8UC1, const_cast<std::uint8_t*>(grey8.bytes.data()));
-    const auto dictionary_ptr = cv::makePtr<Dictionary>(*dictionary);
+    const auto dictionary_ptr = cv::makePtr<Dictionary>(dictionary);
     const auto charuco =
         cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square),
                                         static_cast<float>(board.marker), dictionary_ptr);

@@ -43,5 +43,52 @@ TEST(Charuco, IsRefinedWholeAndInPart) {
   }
 }
 
+/// Squares of 13 px: no marker can be read alone. A board without markers is another one.
+TEST(Charuco, IsToldByThePrintWhereMarkersAreTooSmall) {
+  const Board board = test::make_board("charuco", 8, 6);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::narrow_camera();
+  const Pose pose = test::board_pose({0.1, 0.1, 1}, 3.8, 0.2, 1.2, 0.5);
+  const auto pixels = test::true_corners(board, camera, pose);
+  std::mt19937_64 random(7);
+  const Image image = test::render_board(board, camera, pose, {}, random);
+  const auto whole = detect_board(board, image);
+  EXPECT_GE(whole.size(), 34u);
+  for (const Corner& corner : whole) {
+    EXPECT_LT((corner.pixel - *pixels[static_cast<std::size_t>(corner.id)]).norm(), 0.15) << corner.id;
+  }
+  const Image other = test::render_board(test::make_board("checkerboard", 7, 5), camera, pose, {}, random);
+  EXPECT_TRUE(detect_board(board, other).empty());
+}
+
+/// A hand hides corners, and no others than those under it.
+TEST(Charuco, LacksWhatIsCovered) {
+  const Board board = test::make_board("charuco", 8, 6);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::narrow_camera();
+  const Pose pose = test::board_pose({0.1, 0.1, 1}, 1.8, 0.2, 1.2, 0.5);
+  const auto pixels = test::true_corners(board, camera, pose);
+  std::mt19937_64 random(7);
+  Image image = test::render_board(board, camera, pose, {}, random);
+  const Eigen::Vector2d hand = *pixels[0];
+  const auto covered = [&](const Eigen::Vector2d& p, double more) {
+    return (p - hand).cwiseAbs().maxCoeff() <= 40 + more;
+  };
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (covered(Eigen::Vector2d(x, y), 0)) {
+        image.bytes[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + x] = 150;
+      }
+    }
+  }
+  const auto part = detect_board(board, image);
+  EXPECT_GE(part.size(), 20u);
+  for (const Corner& corner : part) {
+    const Eigen::Vector2d& truth = *pixels[static_cast<std::size_t>(corner.id)];
+    EXPECT_FALSE(covered(truth, 0)) << corner.id;
+    EXPECT_LT((corner.pixel - truth).norm(), covered(truth, 8) ? 0.5 : 0.15) << corner.id;
+  }
+}
+
 }  // namespace
 }  // namespace ca2
