@@ -2,7 +2,8 @@
 # The real thing without hardware: the daemon on simulated sensors. A person who carries the board is simulated as true
 # packets and pictures, which come back in real time: the LiDARs' over UDP, the cameras' over GigE Vision (GVCP, GVSP).
 # The daemon captures by itself; its status is shown as it changes. Then the answer with its sigma and its true error, a
-# picture and a report to open. Usage: ./tools/demo.sh [SCENARIO.yaml [HOLDS]]   (see config/scenarios)
+# picture and a report to open. Without the right to make a network namespace the recording is replayed instead.
+# Usage: ./tools/demo.sh [SCENARIO.yaml [HOLDS]]   (see config/scenarios)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scenario=${1:-config/scenarios/paper.yaml}
@@ -78,8 +79,6 @@ begin=$SECONDS
 echo "building (the first time takes some minutes) ..."
 cmake --preset release -G Ninja >/dev/null
 cmake --build --preset release --target ca2 ca2d fake_gige_camera
-unshare --net --map-root-user true 2>/dev/null ||
-  { echo "demo: no right to make a network namespace (in a container: --cap-add SYS_ADMIN)" >&2; exit 77; }
 set_up=$((SECONDS - begin)) begin=$SECONDS
 
 rm -rf "$demo"
@@ -90,8 +89,14 @@ echo "simulating $scenario, $holds holds ..."
 rate=$(ls "$recording"/cameras/* | awk '/[.]png/ { n++; if (!first) first = $1 + 0; last = $1 + 0 }
   /:$/ { first = n = 0 } END { printf "%.3f", 1e9 * (n - 1) / (last - first) }')
 live_config "$rate" >"$recording/live.yaml"
-echo "the daemon, live: $(ls "$recording"/cameras | wc -l) cameras over GigE Vision, $(ls "$recording"/lidars/*.pcap | wc -l) LiDAR over UDP"
-CA2_DEMO_LIVE=1 unshare --net --map-root-user "$0" "$@"
+if unshare --net --map-root-user true 2>/dev/null; then
+  echo "the daemon, live: $(ls "$recording"/cameras | wc -l) cameras over GigE Vision, $(ls "$recording"/lidars/*.pcap | wc -l) LiDAR over UDP"
+  CA2_DEMO_LIVE=1 unshare --net --map-root-user "$0" "$@"
+else
+  echo "demo: no right to make a network namespace (in a container: --cap-add SYS_ADMIN), so not live:"
+  echo "the recording goes through the daemon's pipeline offline ..."
+  "$bin/ca2" replay "$recording" --session "$demo/state/sessions/replayed"
+fi
 
 session=$(echo "$demo"/state/sessions/*)
 cp "$recording/truth.yaml" "$session"
@@ -101,5 +106,5 @@ echo
 echo
 echo "the points on a picture: $session/report/overlay.png"
 echo "the report:              $session/report/index.html"
-echo "the daemon's log:        $demo/ca2d.log"
+[ ! -f "$demo/ca2d.log" ] || echo "the daemon's log:        $demo/ca2d.log"
 echo "took $((SECONDS - begin)) s after $set_up s of set-up"
