@@ -10,13 +10,13 @@ namespace ca2 {
 class FrameCount {
  public:
   /// How many are missing before the frame of this number. A number that went back (the camera began anew) or
-  /// that jumped too far to be a wrap-around counts as nothing missing.
+  /// that jumped too far, either way, counts as nothing missing.
   std::uint64_t missing_before(std::uint64_t id) {
     constexpr std::uint64_t last16 = 65535, most_lost = 10'000;
     const auto before = last_;
     last_ = id;
     if (!before || id == *before) return 0;
-    if (id > *before) return id - *before - 1;
+    if (id > *before) return id - *before <= most_lost ? id - *before - 1 : 0;
     const bool wrapped = *before <= last16 && id > 0 && last16 - *before + id <= most_lost;
     return wrapped ? last16 - *before + id - 1 : 0;
   }
