@@ -37,7 +37,7 @@ std::vector<AccuracyExperiment> paper_experiments(const ScenarioFile& paper, boo
     make_plain(experiment.file.scenario);
     for (auto& [lidar_name, lidar] : experiment.file.scenario.lidars) {
       lidar.noise.range_sigma = range;
-      if (range == 0) lidar.noise.dropout = 0;
+      if (range == 0) lidar.noise.dropout = lidar.beams.range_quantum = 0;
     }
     list.push_back(experiment);
   }
