@@ -96,7 +96,9 @@ std::vector<std::optional<Neighbourhood>> neighbourhoods(const std::vector<Eigen
       if (const auto beyond = bend(moved(cell, axis, 2 * beside), axis); beside != 0 && bent && beyond) {
         const auto pixel = [&](long by) { return *pixel_at(moved(cell, axis, by * beside)); };
         const double ratio = (pixel(1) - pixel(0)).norm() / (pixel(2) - pixel(1)).norm();
-        bent->curvature += ratio * (bent->curvature - beyond->curvature);
+        // On small squares the difference of two curvatures is noise.
+        if ((pixel(1) - pixel(0)).norm() > 12)
+          bent->curvature += ratio * (bent->curvature - beyond->curvature);
       }
       const Eigen::Vector2d second = bent ? bent->second : Eigen::Vector2d::Zero();
       Eigen::Vector2d& along = found->along[axis];
