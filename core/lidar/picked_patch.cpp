@@ -2,10 +2,12 @@
 // projection by ID.
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
-#include <pcl/segmentation/sac_segmentation.h>
+#include <pcl/sample_consensus/ransac.h>
+#include <pcl/sample_consensus/sac_model_plane.h>
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/lidar/board_candidate.h"
 #include "core/lidar/outline_fit.h"
@@ -91,19 +93,23 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   const pcl::PointCloud<pcl::PointXYZ>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZ>);
   for (const std::uint32_t i : patch)
     cloud->emplace_back(scan.points[i].x(), scan.points[i].y(), scan.points[i].z());
-  pcl::PointIndices inliers;
-  pcl::ModelCoefficients coefficients;
+  pcl::Indices inliers;
   if (patch.size() >= static_cast<std::size_t>(kFewest)) {
-    pcl::SACSegmentation<pcl::PointXYZ> ransac(false);  // false: PCL's fixed seed
-    ransac.setModelType(pcl::SACMODEL_PLANE);
-    ransac.setMethodType(pcl::SAC_RANSAC);
-    ransac.setDistanceThreshold(kInlier);
+    // PCL's SACSegmentation does just this, but its library takes the loader 60 ms of every start of a
+    // program.
+    const auto model = std::make_shared<pcl::SampleConsensusModelPlane<pcl::PointXYZ>>(
+        cloud, false);  // false: PCL's fixed seed
+    pcl::RandomSampleConsensus<pcl::PointXYZ> ransac(model, kInlier);
     ransac.setMaxIterations(500);
-    ransac.setOptimizeCoefficients(true);
-    ransac.setInputCloud(cloud);
-    ransac.segment(inliers, coefficients);
+    if (ransac.computeModel()) {
+      Eigen::VectorXf plane, refined;
+      ransac.getInliers(inliers);
+      ransac.getModelCoefficients(plane);
+      model->optimizeModelCoefficients(inliers, plane, refined);
+      model->selectWithinDistance(refined, kInlier, inliers);
+    }
   }
-  if (inliers.indices.size() < static_cast<std::size_t>(kFewest)) {
+  if (inliers.size() < static_cast<std::size_t>(kFewest)) {
     return fail(ErrorCode::data, place_text(row, column),
                 "no plane in the " + std::to_string(patch.size()) + " returns of the patch",
                 "pick the middle of the board, or give another radius");
@@ -111,10 +117,10 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   BoardCandidate candidate;
   std::vector<Eigen::Vector3d> points;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const int k : inliers.indices) {
+  for (const int k : inliers) {
     candidate.returns.push_back(patch[static_cast<std::size_t>(k)]);
     points.push_back(scan.points[candidate.returns.back()].cast<double>());
-    centre += points.back() / static_cast<double>(inliers.indices.size());
+    centre += points.back() / static_cast<double>(inliers.size());
   }
   double normal_rms = 0;
   const RangeFit fit = fit_ranges(points, fit_plane(points, &normal_rms));
@@ -129,8 +135,8 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
     candidate.crossings = find_edge_crossings(
         scan, projection, {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, fit.rms});
   }
-  candidate.score = static_cast<double>(inliers.indices.size()) / static_cast<double>(patch.size());
-  candidate.why = "picked by hand: " + std::to_string(inliers.indices.size()) + " of " +
+  candidate.score = static_cast<double>(inliers.size()) / static_cast<double>(patch.size());
+  candidate.why = "picked by hand: " + std::to_string(inliers.size()) + " of " +
                   std::to_string(patch.size()) + " returns on the plane";
   return candidate;
 }
