@@ -18,6 +18,7 @@ packages=(
   libsystemd-dev libspdlog-dev libchafa-dev
   # tests
   libgtest-dev
+  libceres-dev
   jq
   umockdev
   libumockdev-dev

@@ -31,15 +31,16 @@ Result<IntrinsicsEstimate> estimate(const Board& board, RigCamera& camera, std::
 
 }  // namespace
 
-Result<Calibration> solve_views(const SolveViews& request) {
+Result<Calibration> solve_views(const SolveViews& request, const std::stop_token& stop) {
   Rig rig = *request.rig;
   CalibrateOptions options;
+  options.stop = stop;
   std::vector<ViewSights> views = *request.views;
   std::vector<Problem> refusals;
   std::size_t index = 0;
   for (auto& [name, camera] : rig.cameras) {
     const std::size_t at = index++;
-    if (camera.intrinsics) continue;
+    if (camera.intrinsics || stop.stop_requested()) continue;
     const Result<IntrinsicsEstimate> found = estimate(rig.board, camera, at, views);
     if (found) {
       options.estimated[name] = found->covariance.diagonal().cwiseSqrt();
@@ -51,6 +52,8 @@ Result<Calibration> solve_views(const SolveViews& request) {
     }
   }
   if (!refusals.empty()) return fail(ErrorCode::refused, std::move(refusals));
+  if (stop.stop_requested())
+    return fail(ErrorCode::unavailable, "", "the solve was stopped before it had an answer");
   return calibrate(rig, views, options);
 }
 

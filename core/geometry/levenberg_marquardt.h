@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <optional>
+#include <stop_token>
 
 namespace ca2 {
 
@@ -13,6 +14,7 @@ struct LmOptions {
   double initial_damping = 1e-4;      ///< relative to the diagonal of the normal matrix
   double gradient_tolerance = 1e-10;  ///< on the predicted decrease, relative to the cost
   double step_tolerance = 1e-12;      ///< on the largest component of the step
+  std::stop_token stop = {};          ///< no further iteration once this is asked for
 };
 
 struct LmReport {
@@ -38,7 +40,8 @@ LmReport minimize(Problem& problem, typename Problem::State& state, const LmOpti
   double damping = options.initial_damping;
   double cost = problem.linearize(state);
   report.initial_cost = cost;
-  for (; report.iterations < options.max_iterations && std::isfinite(cost); ++report.iterations) {
+  for (; report.iterations < options.max_iterations && std::isfinite(cost) && !options.stop.stop_requested();
+       ++report.iterations) {
     const std::optional<Eigen::VectorXd> step = problem.step(damping);
     if (step && step->allFinite()) {
       const double predicted = problem.predicted_decrease(*step);

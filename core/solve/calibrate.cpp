@@ -261,6 +261,7 @@ JointAnswer solve_from_beam_centers(const Rig& rig, const std::vector<Camera>& c
     }
   }
   JointAnswer answer = solve_joint(rig.board, cameras, static_cast<int>(lidars), moved, moved_seed, options);
+  if (options.stop.stop_requested()) return answer;  // and not to be looked at
   for (std::size_t l = 0; l < lidars; ++l)
     restore_origin(answer, l, 6 * static_cast<Eigen::Index>(cameras.size() - 1 + l), centers[l]);
   return answer;
@@ -277,10 +278,11 @@ std::optional<PlaneToPlaneResult> solve_planes(std::span<const PlanePair> pairs,
 }
 
 /// How far the answer moves when one pair is left out: rms over the pairs, (translation m, rotation rad).
-std::pair<double, double> leave_one_out(const std::vector<PlanePair>& pairs, const Pose& all, Method method) {
+std::pair<double, double> leave_one_out(const std::vector<PlanePair>& pairs, const Pose& all, Method method,
+                                        const std::stop_token& stop) {
   std::vector<double> translation;
   std::vector<double> rotation;
-  for (std::size_t i = 0; i < pairs.size() && pairs.size() > 3; ++i) {
+  for (std::size_t i = 0; i < pairs.size() && pairs.size() > 3 && !stop.stop_requested(); ++i) {
     std::vector<PlanePair> others = pairs;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const auto result = solve_planes(others, method);
@@ -294,7 +296,7 @@ std::pair<double, double> leave_one_out(const std::vector<PlanePair>& pairs, con
 }
 
 Result<Calibration> calibrate_planes(const Rig& rig, const Names& names, const std::vector<ViewSights>& views,
-                                     const RigSeed& seed, Method method) {
+                                     const RigSeed& seed, Method method, const std::stop_token& stop) {
   Calibration calibration;
   calibration.software = "ca2 " CA2_VERSION;
   calibration.method = method == Method::kim ? "kim" : "plane_to_plane";
@@ -330,7 +332,7 @@ Result<Calibration> calibrate_planes(const Rig& rig, const Names& names, const s
       }
       worsen(calibration.observability, *verdict);
       calibration.transforms.push_back(transform);
-      const auto [translation, rotation] = leave_one_out(pairs, transform.T_parent_child, method);
+      const auto [translation, rotation] = leave_one_out(pairs, transform.T_parent_child, method, stop);
       calibration.validation.leave_one_out_translation = translation;
       calibration.validation.leave_one_out_rotation = rotation;
     }
@@ -366,6 +368,11 @@ Result<Calibration> calibrate_planes(const Rig& rig, const Names& names, const s
   return calibration;
 }
 
+/// Whoever asked to stop knows why; what there is by then is no answer.
+Result<Calibration> stopped() {
+  return fail(ErrorCode::unavailable, "", "the calibration was stopped before it had an answer");
+}
+
 }  // namespace
 
 Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& views,
@@ -373,11 +380,17 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   const Names names = names_of(rig);
   std::vector<Camera> cameras;
   for (const auto& [name, camera] : rig.cameras) cameras.push_back(*camera.intrinsics);
-  const Result<RigSeed> seed = seed_rig(rig.board, views, names.cameras, names.lidars, options.seed);
+  const Result<RigSeed> seed =
+      seed_rig(rig.board, views, names.cameras, names.lidars, options.seed, options.stop);
+  if (options.stop.stop_requested()) return stopped();
   if (!seed) return fail(seed.error());
-  if (options.method != Method::joint) return calibrate_planes(rig, names, views, *seed, options.method);
+  if (options.method != Method::joint) {
+    Result<Calibration> planes = calibrate_planes(rig, names, views, *seed, options.method, options.stop);
+    return options.stop.stop_requested() ? stopped() : planes;
+  }
   JointOptions joint;
   joint.prior_bias = options.prior_bias;
+  joint.stop = options.stop;
   for (const RigExtrinsic& known : rig.extrinsics) {
     if (!known.fixed) continue;
     const auto index = [&](const std::string& name) {
@@ -403,6 +416,7 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
     joint.stated.push_back(own == options.estimated.end());
   }
   const JointAnswer answer = solve_from_beam_centers(rig, cameras, views, *seed, joint);
+  if (options.stop.stop_requested()) return stopped();
   return JointReport(rig, names, views, answer, options).make();
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct CalibrateOptions {
   double prior_bias = 0.012;   ///< of a LiDAR's range bias, m
   /// Cameras whose intrinsics were estimated from the same views: standard deviation of each parameter.
   std::map<std::string, Eigen::VectorXd> estimated;
+  /// Once this is asked for, the calibration fails within milliseconds with ErrorCode::unavailable.
+  std::stop_token stop = {};
 };
 
 /// The rig's cameras must all have intrinsics here (estimated ones count; `estimated` says which, by index in

@@ -224,7 +224,7 @@ std::optional<Consensus> find_consensus(const std::vector<ConsensusView>& views,
   loose.distance_sigma *= 3;
   loose.angle_sigma *= 2;
   std::uniform_int_distribution<std::size_t> pick(0, subset.size() - 1);
-  for (int trial = 0; trial < budget; ++trial) {
+  for (int trial = 0; trial < budget && !options.stop.stop_requested(); ++trial) {
     std::array<std::size_t, 3> triple{pick(rng), pick(rng), pick(rng)};
     if (triple[0] == triple[1] || triple[1] == triple[2] || triple[0] == triple[2]) continue;
     std::array<const ConsensusView*, 3> chosen;

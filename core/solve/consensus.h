@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "core/geometry/plane.h"
@@ -34,6 +35,7 @@ struct ConsensusOptions {
   double angle_sigma = 0.02;     ///< rad: the same for normals
   std::uint64_t seed = 1;
   int max_hypotheses = 3000;
+  std::stop_token stop = {};  ///< no further hypothesis once this is asked for
 };
 
 struct Consensus {

@@ -36,8 +36,8 @@ Vector10d CornerField::way_to(const Camera& camera, const Pose& T_camera_board) 
   return way;
 }
 
-bool CornerField::close(const Vector10d& way, const Pose& T_camera_board) {
-  return way.head<3>().norm() <= reach && way.segment<3>(3).norm() <= reach * T_camera_board.t.norm() &&
+bool CornerField::close(const Vector10d& way, const Pose& T_camera_board) const {
+  return way.head<3>().norm() <= reach_ && way.segment<3>(3).norm() <= reach_ * T_camera_board.t.norm() &&
          way.tail<4>().lpNorm<Eigen::Infinity>() <= intrinsics_reach;
 }
 
@@ -82,7 +82,9 @@ void CornerField::settle(double limit) {
   settled_up_to_ = std::sqrt(settled_up_to_);
 }
 
-bool CornerField::approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber) {
+bool CornerField::approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber,
+                           double reach) {
+  reach_ = reach;
   if (!approached_ || !close(way_to(camera, T_camera_board), T_camera_board)) {
     if (!project(camera, T_camera_board)) return false;
   }

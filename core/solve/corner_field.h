@@ -14,8 +14,8 @@
 namespace ca2 {
 
 /// To project a corner with its derivatives costs ten times what it costs to move its residual along them.
-/// Once the board pose hardly changes, the derivatives of an earlier place will do: closer than `reach` the
-/// neglected second order is below 1e-3 standard deviations of the pose.
+/// Once the board pose hardly changes, the derivatives of an earlier place will do: what is neglected is of
+/// second order in the move.
 class CornerField {
  public:
   /// `positions`: of the board's corners by id, board frame, m.
@@ -27,8 +27,8 @@ class CornerField {
   /// Projects anew where the pose or the intrinsics are further than `reach` from where that was last done,
   /// or where corners changed sides between quadratic and linear cost. False where a corner does not project.
   /// `scale`: true over stated standard deviation of the corners; `huber`: whitened error from which the cost
-  /// grows linearly.
-  bool approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber);
+  /// grows linearly; `reach`: rad, and share of the board's distance.
+  bool approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber, double reach);
 
   /// At the place last approached, or close to it.
   SensorEquations equations(const Camera& camera, const Pose& T_camera_board, double scale,
@@ -47,7 +47,6 @@ class CornerField {
   int id(std::size_t corner) const { return corners_[corner].id; }
 
  private:
-  static constexpr double reach = 3e-5;            ///< rad, and of the board's distance
   static constexpr double intrinsics_reach = 0.1;  ///< px: the projection is linear in these
 
   struct Seen {
@@ -64,7 +63,7 @@ class CornerField {
 
   /// From the place last approached.
   Vector10d way_to(const Camera& camera, const Pose& T_camera_board) const;
-  static bool close(const Vector10d& way, const Pose& T_camera_board);
+  bool close(const Vector10d& way, const Pose& T_camera_board) const;
   bool project(const Camera& camera, const Pose& T_camera_board);
   /// Sums up the rows whose cost is quadratic for certain; the others stay single.
   void settle(double limit);
@@ -72,6 +71,7 @@ class CornerField {
 
   std::vector<Seen> corners_;
   bool approached_ = false;
+  double reach_ = 0;
   Pose T_camera_board_;
   Eigen::Vector4d intrinsics_;
   std::vector<Row> rows_;

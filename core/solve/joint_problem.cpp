@@ -106,7 +106,7 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
     if (corners.empty()) continue;
     const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
     const Pose T_camera_board = sensor_board(state, c, view);
-    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber))
+    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber, input_.corner_reach))
       return std::numeric_limits<double>::infinity();
     const SensorEquations sensor =
         corners.equations(camera, T_camera_board, corner_scale(c), input_.corner_huber);
@@ -244,7 +244,7 @@ std::optional<Eigen::VectorXd> JointProblem::step(double damping) {
     Elimination& view = eliminated_[v];
     if (!eliminate(views_[v], damping, view)) return std::nullopt;
     weighted = view.inverse.asDiagonal() * view.rows;
-    S.noalias() -= weighted.transpose().lazyProduct(view.rows);
+    S.noalias() -= weighted.transpose() * view.rows;
     r.noalias() -= weighted.transpose().lazyProduct(view.right);
   }
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);
@@ -310,7 +310,8 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) {
     if (corners.empty()) continue;
     const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
     const Pose T_camera_board = sensor_board(state, c, view);
-    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber)) {
+    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber,
+                          input_.corner_reach)) {
       misfit.lidars = misfit.cameras = std::numeric_limits<double>::infinity();
       return misfit;
     }
@@ -355,7 +356,7 @@ void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,
   const Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> weighted =
       eliminated.inverse.asDiagonal() * eliminated.rows;
   information = views_[view].Hgg;
-  information.noalias() -= weighted.transpose().lazyProduct(eliminated.rows);
+  information.noalias() -= weighted.transpose() * eliminated.rows;
   gradient = views_[view].gg;
   gradient.noalias() -= weighted.transpose().lazyProduct(eliminated.right);
 }

@@ -50,7 +50,8 @@ struct JointInput {
   /// Takes the place of the priors on intrinsics and range biases that are not held: deviations from the
   /// given intrinsics (4 per camera) and the biases (1 per LiDAR), in this order.
   std::optional<NuisancePrior> nuisances;
-  double corner_huber = 3;  ///< whitened corner error from which the cost grows linearly
+  double corner_reach = 3e-6;  ///< corners are projected anew where a board moved further, see CornerField
+  double corner_huber = 3;     ///< whitened corner error from which the cost grows linearly
 };
 
 /// The unknowns. The first camera is the reference frame.

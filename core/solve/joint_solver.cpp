@@ -16,6 +16,11 @@ namespace {
 
 /// chi-squared with 6 degrees of freedom: a bound one in ten thousand exceeds by chance.
 constexpr double chi2_bound_6 = 27.9;
+/// How far boards may move before corners are projected anew, rad and of their distance: while returns and
+/// noise are still being settled, and for the answer. The neglected second order is the square of it.
+constexpr double coarse_reach = 3e-4, fine_reach = 3e-6;
+/// A solve that starts from the one before is close enough for whole Newton steps.
+constexpr double warm_damping = 1e-8;
 
 class Solver {
  public:
@@ -25,6 +30,7 @@ class Solver {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
+    stop_ = options.stop;
     input_.prior_intrinsics = options.prior_intrinsics;
     input_.prior_bias = options.prior_bias;
     input_.stated = options.stated;
@@ -71,10 +77,10 @@ class Solver {
     // Only the second time round are returns and noise those of the solution, and views to be blamed.
     solve(Returns::by_ray);
     solve(Returns::by_ray);
-    while (drop_worst()) solve(Returns::by_ray);
-    explain_misfit();
-    finish();
-    add_edges();
+    while (!stopping() && drop_worst()) solve(Returns::by_ray);
+    if (!stopping()) explain_misfit();
+    if (!stopping()) finish();
+    if (!stopping()) add_edges();
     return std::move(answer_);
   }
 
@@ -159,12 +165,17 @@ class Solver {
     state_.T_ref_board = std::move(boards);
   }
 
+  bool stopping() const { return stop_.stop_requested(); }
+
   void solve(Returns returns) {
+    if (stopping()) return;
     prepare(returns);
     estimate_range_noise();
     marginalize_view_errors();
     JointState active = active_state();
-    minimize(*problem_, active, {.max_iterations = 30});
+    input_.corner_reach = coarse_reach;
+    minimize(*problem_, active, {.max_iterations = 30, .initial_damping = damping_, .stop = stop_});
+    damping_ = warm_damping;
     for (std::size_t i = 0; i < active_.size(); ++i)
       answer_.views[active_[i]].misfit = problem_->misfit(active, i);
     take(std::move(active));
@@ -345,6 +356,7 @@ class Solver {
     prepare(Returns::by_ray);
     marginalize_view_errors();
     JointState active = active_state();
+    input_.corner_reach = fine_reach;
     minimize_and_weigh(*problem_, input_, active);
     take(active);
     for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -383,16 +395,19 @@ class Solver {
     if (active_.size() < 4) return;
     // One Newton step with the view taken out of the marginal information: exact to second order.
     answer_.leave_one_out.resize(static_cast<Eigen::Index>(active_.size()), information.rows());
+    const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd share;
     Eigen::VectorXd gradient;
     for (std::size_t i = 0; i < active_.size(); ++i) {
       problem_->view_share(i, share, gradient);
-      const auto without = scaled_inverse(information - share);
-      if (!without) {
+      const Eigen::LDLT<Eigen::MatrixXd> without(scale.asDiagonal() * (information - share) *
+                                                 scale.asDiagonal());
+      if (without.info() != Eigen::Success || !(without.vectorD().minCoeff() > 1e-13)) {
         answer_.leave_one_out.resize(0, 0);
         return;
       }
-      answer_.leave_one_out.row(static_cast<Eigen::Index>(i)) = (*without * gradient).transpose();
+      answer_.leave_one_out.row(static_cast<Eigen::Index>(i)) =
+          scale.cwiseProduct(without.solve(scale.cwiseProduct(gradient))).transpose();
     }
   }
 
@@ -406,7 +421,9 @@ class Solver {
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
-  std::optional<JointProblem> problem_;                    ///< of input_
+  std::stop_token stop_;
+  double damping_ = 1e-4;                ///< of the next solve's first step
+  std::optional<JointProblem> problem_;  ///< of input_
   NeighbourTable neighbours_;
   JointAnswer answer_;
 };

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct JointOptions {
   std::vector<bool> stated;  ///< by camera: the intrinsics are not from these views; how far off they may be
                              ///< is weighed by what the views show
   std::vector<RelativePrior> relative;
+  std::stop_token stop = {};  ///< once this is asked for it gives up soon, and the answer means nothing
 };
 
 /// What became of a view.

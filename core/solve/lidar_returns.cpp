@@ -50,16 +50,7 @@ void LidarReturns::classify(const std::vector<PlacedBoard>& boards) {
   for (const PlacedBoard& board : boards) patches_[board.view]->classify(classes_);
 }
 
-std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<PlacedBoard>& boards,
-                                                           const RangeState& state) {
-  bool moved = false;
-  for (const PlacedBoard& board : boards) {
-    const double least =
-        std::min(gate(*sights_[board.view], board.T_lidar_board, state.sigma), own_gate(state.sigma));
-    moved |= patches_[board.view]->aim(board.outline, board.T_lidar_board, margin(board.T_lidar_board),
-                                       state.bias, least);
-  }
-  if (moved) classify(boards);
+void LidarReturns::correct(const std::vector<PlacedBoard>& boards, const RangeState& state) {
   std::vector<CorrectionEvidence> evidence;
   for (const PlacedBoard& board : boards) {
     const ReturnPatch& patch = *patches_[board.view];
@@ -70,6 +61,28 @@ std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<Pla
     evidence.push_back(patch.evidence(own, own_gate(state.sigma)));
   }
   correction_ = estimate_range_correction(classes_, evidence, state.sigma);
+  corrected_sigma_ = state.sigma;
+}
+
+std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<PlacedBoard>& boards,
+                                                           const RangeState& state) {
+  std::size_t moved = 0;
+  std::vector<std::size_t> views;
+  for (const PlacedBoard& board : boards) {
+    const double least =
+        std::min(gate(*sights_[board.view], board.T_lidar_board, state.sigma), own_gate(state.sigma));
+    if (patches_[board.view]->aim(board.outline, board.T_lidar_board, margin(board.T_lidar_board), state.bias,
+                                  least)) {
+      ++moved;
+    }
+    views.push_back(board.view);
+  }
+  const bool others = views != corrected_;
+  if (others || 4 * moved > boards.size()) classify(boards);
+  for (const PlacedBoard& board : boards) patches_[board.view]->sum_up();
+  if (others || moved > 0 || std::abs(state.sigma - corrected_sigma_) > 1e-3 * state.sigma)
+    correct(boards, state);
+  corrected_ = std::move(views);
   std::vector<std::optional<RangeSums>> all;
   for (const PlacedBoard& board : boards) {
     all.emplace_back(patches_[board.view]->sums(board_plane(board.T_lidar_board), state.bias,

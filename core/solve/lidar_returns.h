@@ -46,11 +46,14 @@ class LidarReturns {
 
  private:
   void classify(const std::vector<PlacedBoard>& boards);
+  void correct(const std::vector<PlacedBoard>& boards, const RangeState& state);
 
   std::vector<const LidarSight*> sights_;            ///< by view
   std::vector<std::optional<ReturnPatch>> patches_;  ///< by view
   RangeClasses classes_;
   RangeCorrection correction_;
+  double corrected_sigma_ = 0;
+  std::vector<std::size_t> corrected_;  ///< the views it was found in
 };
 
 }  // namespace ca2

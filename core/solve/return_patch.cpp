@@ -121,13 +121,14 @@ void ReturnPatch::settle(const Place& place, double margin) {
         (T * Eigen::Vector3d(place.outline.center.x() + corner.x(), place.outline.center.y() + corner.y(), 0))
             .normalized();
   }
-  sum_up();
+  stale_ = true;
 }
 
 Plane ReturnPatch::fit_found(const Plane& plane, double gate, RangeSums* sums) {
   Plane fit = plane;
   for (int i = 0; i < 10; ++i) {
     settle_found(fit, gate);
+    sum_up();
     fit = fit_plane(fit, gate, {}, sums);
     if (!(move_to(inverse_plane(fit)) > plane_reach)) break;
   }
@@ -171,10 +172,10 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
     rim_[i] =
         (middle + std::sqrt(radius) * ((i & 1 ? 1 : -1) * across + (i & 2 ? 1 : -1) * along)).normalized();
   }
-  sum_up();
+  stale_ = true;
 }
 
-void ReturnPatch::add(const Return& here, CorrectionEvidence& to) const {
+inline void ReturnPatch::add(const Return& here, CorrectionEvidence& to) const {
   const double along = here.predicted * here.predicted / here.range;
   const double r = here.range - here.predicted;
   const double x = here.p.x(), y = here.p.y(), z = here.p.z();
@@ -189,8 +190,9 @@ void ReturnPatch::add(const Return& here, CorrectionEvidence& to) const {
 }
 
 void ReturnPatch::sum_up() {
+  if (!stale_) return;
   CorrectionEvidence sums;
-  sums.classes = sums_.classes;
+  sums.classes = std::move(sums_.classes);
   for (ClassSums& one : sums.classes) one = {one.ring, one.bin};
   spread_ = 0;
   const double bias = place_ ? place_->bias : 0;
@@ -200,6 +202,7 @@ void ReturnPatch::sum_up() {
     spread_ = std::max(spread_, std::abs(here.range - here.predicted - bias));
   }
   sums_ = std::move(sums);
+  stale_ = false;
 }
 
 void ReturnPatch::describe(ClassRange& range) {
@@ -237,7 +240,7 @@ void ReturnPatch::classify(const RangeClasses& classes) {
     }
     here.of_class = static_cast<std::uint16_t>(slot);
   }
-  sum_up();
+  stale_ = true;
 }
 
 CorrectionEvidence ReturnPatch::gather(const Eigen::Vector3d& q, double bias, double gate,

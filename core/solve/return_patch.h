@@ -37,6 +37,8 @@ class ReturnPatch {
   void describe(ClassRange& range);
   /// From now on sums are by these classes. To be called after `describe`.
   void classify(const RangeClasses& classes);
+  /// Sums up what is settled, if that changed. To be called before what follows.
+  void sum_up();
 
   /// The plane that fits the chosen returns best in the least-squares sense, from `plane`, those within
   /// `gate` [m] of it, their ranges corrected. `sums`, where given, are those about it.
@@ -75,7 +77,6 @@ class ReturnPatch {
   /// How much further along the rays than the reference plane this one is, at most, m.
   double move_to(const Eigen::Vector3d& q) const;
   void settle(const Place& place, double margin);
-  void sum_up();
   void add(const Return& here, CorrectionEvidence& to) const;
   /// Everything chosen within the gate.
   CorrectionEvidence gather(const Eigen::Vector3d& q, double bias, double gate,
@@ -95,6 +96,7 @@ class ReturnPatch {
   std::vector<std::size_t> settled_;
   std::vector<Open> open_;
   CorrectionEvidence sums_;  ///< of the settled
+  bool stale_ = true;        ///< they are not of those
 };
 
 }  // namespace ca2

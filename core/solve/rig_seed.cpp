@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace ca2 {
 namespace {
@@ -64,14 +65,15 @@ std::optional<Link> link_cameras(const Board& board, const std::vector<ViewSight
 }
 
 std::optional<Link> link_lidar(const Board& board, const std::vector<ViewSights>& views, int camera,
-                               int lidar, int cameras, std::uint64_t seed) {
+                               int lidar, int cameras, std::uint64_t seed, std::stop_token stop) {
   std::vector<ConsensusView> pairs;
   for (const ViewSights& view : views) {
     const auto& sight = view.cameras[static_cast<std::size_t>(camera)];
     const auto& patches = view.lidars[static_cast<std::size_t>(lidar)];
     if (sight && !patches.empty()) pairs.push_back(consensus_view(board, *sight, patches));
   }
-  const std::optional<Consensus> consensus = find_consensus(pairs, consensus_options(board, seed));
+  const std::optional<Consensus> consensus =
+      find_consensus(pairs, consensus_options(board, seed, std::move(stop)));
   if (!consensus) return std::nullopt;
   return Link{camera, cameras + lidar, consensus->T_camera_lidar, consensus->agreeing};
 }
@@ -104,16 +106,17 @@ ConsensusView consensus_view(const Board& board, const CameraSight& camera,
   return view;
 }
 
-ConsensusOptions consensus_options(const Board& board, std::uint64_t seed) {
+ConsensusOptions consensus_options(const Board& board, std::uint64_t seed, std::stop_token stop) {
   ConsensusOptions options;
   options.board_radius = 0.5 * std::max(board.extent().width, board.extent().height);
   options.seed = seed;
+  options.stop = std::move(stop);
   return options;
 }
 
 Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& views,
                          const std::vector<std::string>& cameras, const std::vector<std::string>& lidars,
-                         std::uint64_t seed) {
+                         std::uint64_t seed, std::stop_token stop) {
   const int camera_count = static_cast<int>(cameras.size());
   const int sensors = camera_count + static_cast<int>(lidars.size());
   std::vector<Link> links;
@@ -122,7 +125,7 @@ Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& view
       if (const auto link = link_cameras(board, views, c, other)) links.push_back(*link);
     }
     for (int l = 0; l < static_cast<int>(lidars.size()); ++l) {
-      if (const auto link = link_lidar(board, views, c, l, camera_count, seed)) links.push_back(*link);
+      if (const auto link = link_lidar(board, views, c, l, camera_count, seed, stop)) links.push_back(*link);
     }
   }
   std::stable_sort(links.begin(), links.end(),

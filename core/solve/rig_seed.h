@@ -26,13 +26,14 @@ ConsensusView consensus_view(const Board& board, const CameraSight& camera,
                              const std::vector<LidarSight>& lidar);
 
 /// Tolerances that follow from the board's size.
-ConsensusOptions consensus_options(const Board& board, std::uint64_t seed);
+ConsensusOptions consensus_options(const Board& board, std::uint64_t seed, std::stop_token stop = {});
 
 /// Links the rig's sensors through the views they share, strongest links first. Refused (ErrorCode::refused)
 /// with the sensors named when one cannot be linked. `cameras` and `lidars` are names for messages.
+/// Asked to stop it gives up soon, and its answer means nothing.
 Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& views,
                          const std::vector<std::string>& cameras, const std::vector<std::string>& lidars,
-                         std::uint64_t seed);
+                         std::uint64_t seed, std::stop_token stop = {});
 
 /// The pose of the board when its pattern is turned by half a turn.
 Pose half_turned(const Pose& T_sensor_board);

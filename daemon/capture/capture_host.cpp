@@ -235,8 +235,9 @@ void CaptureHost::perform(const DropView& drop) {
 }
 
 void CaptureHost::perform(const SolveViews& request) {
-  solver_.replace([this, request, opening = opening_] {
-    auto answer = std::make_shared<Result<Calibration>>(solve_views(request));
+  solver_.replace([this, request, opening = opening_](const std::stop_token& stop) {
+    auto answer = std::make_shared<Result<Calibration>>(solve_views(request, stop));
+    if (stop.stop_requested()) return;  // the newer one's answer counts
     loop_.post([this, number = request.number, answer, opening] {
       if (opening == opening_) solved(number, *answer);
     });

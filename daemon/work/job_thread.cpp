@@ -20,6 +20,7 @@ JobThread::~JobThread() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
+    current_.request_stop();
   }
   wake_.notify_all();
   thread_.join();
@@ -29,16 +30,17 @@ bool JobThread::submit(Job job) {
   {
     const std::lock_guard lock(mutex_);
     if (jobs_.size() >= capacity_) return false;
-    jobs_.push_back(std::move(job));
+    jobs_.push_back([job = std::move(job)](const std::stop_token&) { job(); });
   }
   wake_.notify_one();
   return true;
 }
 
-void JobThread::replace(Job job) {
+void JobThread::replace(StoppableJob job) {
   {
     const std::lock_guard lock(mutex_);
     jobs_.clear();
+    if (busy_) current_.request_stop();
     jobs_.push_back(std::move(job));
   }
   wake_.notify_one();
@@ -55,12 +57,14 @@ void JobThread::run() {
     heartbeat_->beat(idle_beat + beat_margin);
     if (!wake_.wait_for(lock, idle_beat, [&] { return stop_ || !jobs_.empty(); }) || stop_) continue;
     {
-      const Job job = std::move(jobs_.front());
+      const StoppableJob job = std::move(jobs_.front());
       jobs_.pop_front();
       busy_ = true;
+      current_ = std::stop_source();
+      const std::stop_token stop = current_.get_token();
       lock.unlock();
       heartbeat_->beat(longest_);
-      job();
+      job(stop);
     }  // what the job holds is given back outside the lock
     lock.lock();
     busy_ = false;

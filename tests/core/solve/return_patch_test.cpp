@@ -90,6 +90,7 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
     for (int k = 0; k < 6; ++k) d(k) = step(rng);
     pose = pose.perturbed(d);
     patch.aim(outline, pose, margin, bias, gate);
+    patch.sum_up();
     const RangeSums sums = patch.sums(board_plane(pose), bias, gate, correction);
     const RangeSums all = one_by_one(sight, pose, sums.reference, bias, gate, classes, 90.f, correction);
     ASSERT_EQ(sums.weight, all.weight) << move;

@@ -43,15 +43,40 @@ TEST(JobThread, TheNewestReplacesWhatWaits) {
   });
   started.get_future().wait();
   int done = 0;
-  thread.replace([&] { done += 1; });
-  thread.replace([&] { done += 10; });
-  thread.replace([&] {
+  thread.replace([&](const std::stop_token&) { done += 1; });
+  thread.replace([&](const std::stop_token&) { done += 10; });
+  thread.replace([&](const std::stop_token&) {
     done += 100;
     last.set_value();
   });
   gate.set_value();
   last.get_future().wait();
   EXPECT_EQ(done, 100);
+}
+
+/// Does what a long job should: it ends once it is asked to.
+JobThread::StoppableJob until_stopped(std::promise<void>& started, bool& ended) {
+  return [&](const std::stop_token& stop) {
+    started.set_value();
+    while (!stop.stop_requested()) std::this_thread::yield();
+    ended = true;
+  };
+}
+
+TEST(JobThread, ANewerOneAndTheEndStopTheJobUnderWay) {
+  Heartbeats heartbeats;
+  bool first = false, second = false;
+  {
+    JobThread thread("test", heartbeats, 1, seconds(10));
+    std::promise<void> started, next;
+    thread.replace(until_stopped(started, first));
+    started.get_future().wait();
+    thread.replace(until_stopped(next, second));
+    next.get_future().wait();
+    EXPECT_TRUE(first);
+    EXPECT_FALSE(second);
+  }
+  EXPECT_TRUE(second);
 }
 
 TEST(Heartbeats, ALateThreadIsNamedAndOneThatEndedIsForgotten) {
