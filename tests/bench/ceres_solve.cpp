@@ -157,7 +157,7 @@ Answer solve_with_ceres(const Rig& rig, const std::vector<ViewSights>& views, co
   how.num_threads = 1;
   ceres::Covariance covariance(how);
   Answer answer;
-  if (covariance.Compute({{T_lidar_camera.x, T_lidar_camera.x}}, &problem)) {
+  if (covariance.Compute(std::vector<const double*>{T_lidar_camera.x}, &problem)) {
     Eigen::Matrix<double, 6, 6, Eigen::RowMajor> C;
     covariance.GetCovarianceBlock(T_lidar_camera.x, T_lidar_camera.x, C.data());
     answer.sigma = std::sqrt(C.bottomRightCorner<3, 3>().trace());
