@@ -62,7 +62,7 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
 }
 
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state) {
-  constexpr LmOptions options{.max_iterations = 30};
+  const LmOptions options{.max_iterations = 30};
   input.nuisances.reset();
   minimize(problem, state, options);
   problem.linearize(state);
