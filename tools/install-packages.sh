@@ -18,7 +18,6 @@ packages=(
   libsystemd-dev libspdlog-dev libchafa-dev
   # tests
   libgtest-dev
-  libceres-dev
   jq
   umockdev
   libumockdev-dev
