@@ -20,10 +20,11 @@ struct FiredNames {
   const std::uint32_t* counts;  ///< by beam, 0: no return
   const std::uint8_t* intensity;
   const std::uint16_t* ring;  ///< by beam
-  const std::int32_t* delay;  ///< ns after `time`, by beam, not negative
+  const std::int32_t* delay;  ///< ns after `time`, by beam, not negative; nullptr: 0
   std::uint32_t column;
   std::int64_t time;  ///< ns
   int beams;          ///< all arrays are readable up to the next multiple of eight
+  int first = 0;      ///< of FiredBeams, whose arrays alone begin before what is named here; times eight
 };
 
 /// Arrays are written where they are and cut to size at the end: their memory is neither cleared nor copied,
@@ -40,10 +41,12 @@ class ReturnWriter {
 
  private:
   void resize(std::size_t returns);
+  void grow(std::size_t needed);
 
   Scan* scan_ = nullptr;
   std::size_t expected_ = 0;
-  std::size_t room_ = 0;  ///< what the smallest of the arrays holds
+  std::size_t room_ = 0;    ///< what the smallest of the arrays holds
+  std::size_t memory_ = 0;  ///< what they could hold without moving
   std::size_t size_ = 0;
 };
 

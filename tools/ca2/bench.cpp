@@ -56,7 +56,8 @@ CommandBody setup_bench(CLI::App& app) {
   app.add_option("--trials", options->bench.trials, "accuracy: trials per cell (12, with --full 100)")
       ->check(CLI::Range(1, 100000));
   app.add_flag("--full", options->bench.full, "accuracy: every number of views and 100 trials");
-  app.add_option("--only", options->bench.only, "accuracy: only experiments whose name contains this text");
+  app.add_option("--only", options->bench.only,
+                 "accuracy, solve, decode: only what has this text in its name");
   app.add_option("--plot", options->bench.plot, "accuracy: write the errors as an SVG plot to this file");
   app.add_flag("--json", options->bench.json, "Print the table as JSON");
   return [options]() -> Result<int> {

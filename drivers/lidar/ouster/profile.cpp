@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "drivers/lidar/bytes.h"
+#include "drivers/lidar/ouster/pixel_words.h"
 
 namespace ca2 {
 namespace {
@@ -66,13 +67,13 @@ constexpr std::array layouts{
                   {96, 16, 0}},
 };
 
-/// A field of a column. Everything about it is known to the compiler, and what is written might otherwise
-/// alias what is read.
+/// A field of a column from row `first` on. Everything about it is known to the compiler, and what is written
+/// might otherwise alias what is read.
 template <int stride, int bit, int width, int shift, class T>
-void decode_field(const std::uint8_t* pixels, int rows, T* __restrict out) {
+void decode_field(const std::uint8_t* pixels, int first, int rows, T* __restrict out) {
   if (!out) return;
-  const std::uint8_t* at = pixels + bit / 8;
-  for (int row = 0; row < rows; ++row, at += stride) {
+  const std::uint8_t* at = pixels + bit / 8 + first * stride;
+  for (int row = first; row < rows; ++row, at += stride) {
     // Fields of one or two whole bytes are read as such.
     if constexpr (width == 8 && bit % 8 == 0) {
       out[row] = static_cast<T>(static_cast<unsigned>(*at) << shift);
@@ -86,26 +87,72 @@ void decode_field(const std::uint8_t* pixels, int rows, T* __restrict out) {
 }
 
 template <std::size_t index>
-void decode_column(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
+void decode_rows(const std::uint8_t* pixels, int first, int rows, const OusterPixels& out) {
   constexpr OusterProfile p = layouts[index];
   constexpr int stride = p.pixel_bytes;
   const auto all = [&]<int i>() {
     constexpr OusterField range = p.range[i], reflectivity = p.reflectivity[i], signal = p.signal[i];
-    decode_field<stride, range.bit, range.width, range.shift>(pixels, rows, out.range[i]);
-    decode_field<stride, reflectivity.bit, 8, reflectivity.shift>(pixels, rows, out.reflectivity[i]);
+    decode_field<stride, range.bit, range.width, range.shift>(pixels, first, rows, out.range[i]);
+    decode_field<stride, reflectivity.bit, 8, reflectivity.shift>(pixels, first, rows, out.reflectivity[i]);
     if constexpr (signal.present())
-      decode_field<stride, signal.bit, signal.width, signal.shift>(pixels, rows, out.signal[i]);
+      decode_field<stride, signal.bit, signal.width, signal.shift>(pixels, first, rows, out.signal[i]);
   };
   all.template operator()<0>();
   if constexpr (p.dual()) all.template operator()<1>();
   if constexpr (p.near_ir.present())
-    decode_field<stride, p.near_ir.bit, p.near_ir.width, p.near_ir.shift>(pixels, rows, out.near_ir);
+    decode_field<stride, p.near_ir.bit, p.near_ir.width, p.near_ir.shift>(pixels, first, rows, out.near_ir);
+}
+
+template <std::size_t index>
+void decode_column_portable(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
+  decode_rows<index>(pixels, 0, rows, out);
+}
+
+#if defined(__x86_64__)
+template <std::size_t index, OusterField field, class T>
+__attribute__((target("avx2"))) inline void decode_eight(
+    const PixelWords<layouts[index].pixel_bytes / 4>& words, int row, T* out) {
+  static_assert(field.bit % 32 + field.width <= 32);
+  if (out)
+    store_field<field.bit % 32, field.width, field.shift>(words.template word<field.bit / 32>(), out + row);
+}
+
+/// Eight pixels at a time.
+template <std::size_t index>
+__attribute__((target("avx2"))) void decode_column_avx2(const std::uint8_t* pixels, int rows,
+                                                        const OusterPixels& out) {
+  constexpr OusterProfile p = layouts[index];
+  int row = 0;
+  for (; row + 8 <= rows; row += 8) {
+    const PixelWords<p.pixel_bytes / 4> words(pixels + row * p.pixel_bytes);
+    decode_eight<index, p.range[0]>(words, row, out.range[0]);
+    decode_eight<index, p.reflectivity[0]>(words, row, out.reflectivity[0]);
+    if constexpr (p.signal[0].present()) decode_eight<index, p.signal[0]>(words, row, out.signal[0]);
+    if constexpr (p.dual()) {
+      decode_eight<index, p.range[1]>(words, row, out.range[1]);
+      decode_eight<index, p.reflectivity[1]>(words, row, out.reflectivity[1]);
+      if constexpr (p.signal[1].present()) decode_eight<index, p.signal[1]>(words, row, out.signal[1]);
+    }
+    if constexpr (p.near_ir.present()) decode_eight<index, p.near_ir>(words, row, out.near_ir);
+  }
+  decode_rows<index>(pixels, row, rows, out);
+}
+#endif
+
+template <std::size_t index>
+void decode_column(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
+#if defined(__x86_64__)
+  static const bool avx2 = __builtin_cpu_supports("avx2");
+  if (avx2) return decode_column_avx2<index>(pixels, rows, out);
+#endif
+  decode_column_portable<index>(pixels, rows, out);
 }
 
 template <std::size_t... index>
 constexpr auto with_decoders(std::index_sequence<index...>) {
   auto out = layouts;
   ((out[index].decode = &decode_column<index>), ...);
+  ((out[index].decode_portable = &decode_column_portable<index>), ...);
   return out;
 }
 constexpr auto profiles = with_decoders(std::make_index_sequence<layouts.size()>());

@@ -36,6 +36,7 @@ struct OusterProfile {
   OusterField signal[2];        ///< photons
   OusterField near_ir;          ///< photons
   OusterColumnDecoder decode = nullptr;
+  OusterColumnDecoder decode_portable = nullptr;  ///< the same numbers, on any processor
 
   constexpr bool legacy() const { return name == "LEGACY"; }
   constexpr bool dual() const { return range[1].present(); }

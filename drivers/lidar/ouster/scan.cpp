@@ -43,7 +43,6 @@ CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column
 /// What is the same for every column.
 struct RowNames {
   std::array<std::uint16_t, FiredBeams::most> ring;
-  std::array<std::int32_t, FiredBeams::most> delay{};  // all rows are measured at once
 
   RowNames() {
     for (std::size_t row = 0; row < ring.size(); ++row) ring[row] = static_cast<std::uint16_t>(row);
@@ -67,7 +66,8 @@ void add_column(const OusterFrame& frame, const OusterGeometry& geometry, int re
   }
   FiredBeams beams;
   project_column(geometry, column, pixels, beams);
-  writer.add(beams, {pixels.range, pixels.reflectivity, rows.ring.data(), rows.delay.data(),
+  // All rows are measured at once.
+  writer.add(beams, {pixels.range, pixels.reflectivity, rows.ring.data(), nullptr,
                      static_cast<std::uint32_t>(column), static_cast<std::int64_t>(frame.timestamp[column]),
                      frame.rows});
 }

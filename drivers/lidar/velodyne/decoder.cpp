@@ -100,26 +100,28 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
   const bool timed = layout != VelodyneLayout::apart;
   measure_cycle(packet, cycles);
   const double cycle = timed ? cycle_ : untimed_cycle;
-  VelodyneFirings firings = read_velodyne_firings(model_, layout, options_.azimuth, packet.bytes);
+  VelodyneFirings& firings = firings_;
+  read_velodyne_firings(model_, layout, options_.azimuth, packet.bytes, firings);
   counters.bad_columns += static_cast<std::uint64_t>(firings.bad_blocks);
   if (firings.count == 0) return;
+  projection_->fetch(firings);
   ++counters.lidar_packets;
 
   const std::int64_t missing = std::llround(packet.gap / cycle);
   const int azimuth = firings.firing[0].azimuth;
+  const bool alone = firings.count == 1 && model_.firings_per_block() == 1;
   if (firings.count > 1) {
     const int turned =
         (firings.firing[static_cast<std::size_t>(firings.count - 1)].azimuth - azimuth + P::azimuth_turn) %
         P::azimuth_turn;
-    const int over = firings.firing[static_cast<std::size_t>(firings.count - 1)].cycle -
-                     firings.firing[static_cast<std::size_t>(firings.count - 1)].half;
+    const int over = firings.firing[static_cast<std::size_t>(firings.count - 1)].cycle;
     if (turned > 0 && turned < P::azimuth_turn / 8 && over > 0) step_ = static_cast<double>(turned) / over;
-  } else if (firings.count == 1 && last_ && packet.gap == 0) {
+  } else if (alone && last_ && packet.gap == 0) {
     // One firing to a packet (VLS-128, dual): the step from packet to packet.
     const int turned = (azimuth - last_azimuth_ + P::azimuth_turn) % P::azimuth_turn;
     if (turned > 0 && turned < P::azimuth_turn / 8) step_ = static_cast<double>(turned) / last_cycles_;
   }
-  if (firings.count == 1 && options_.azimuth == VelodyneAzimuth::times) firings.firing[0].step.fill(step_);
+  if (alone && options_.azimuth == VelodyneAzimuth::times) firings.firing[0].step.fill(step_);
   if (last_) firing_number_ += last_cycles_ + missing;
   projection_->set_cycle(cycle);
   const std::int64_t start = packet.device_time + (timed ? std::llround(model_.epoch * 1e9) : 0);
@@ -129,9 +131,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     const VelodyneFiring& firing = firings.firing[static_cast<std::size_t>(i)];
     const std::int64_t number = firing_number_ + firing.cycle;
     const bool after_gap = i == 0 && missing > 0;
-    // Halves of a block share its azimuth: only the first can begin a scan.
-    if (firing.half == 0 &&
-        cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
+    if (cutter_.begins(firing.azimuth, after_gap ? step_ * static_cast<double>(missing) : 0)) {
       give_out(counters, sink, !after_gap);
       begun_at_cut_ = !after_gap;
       // Where the first firings of a scan are missing, their number follows from how far the head has turned.
@@ -143,7 +143,7 @@ void VelodyneDecoder::take(const OrderedPacket& packet, VelodyneLayout layout, L
     }
     const auto column = static_cast<std::uint32_t>(number - scan_first_);
     projection_->project(firing, start, column, options_.second_returns, writer_, exact);
-    scan_.scan.columns = std::max(scan_.scan.columns, static_cast<int>(column) + 1);
+    scan_.scan.columns = std::max(scan_.scan.columns, static_cast<int>(column) + model_.firings_per_block());
   }
   if (missing > 0) scan_.missing_packets += static_cast<int>((missing + cycles / 2) / cycles);
   scan_.clock.push_back({packet.device_time, packet.host_time});

@@ -43,6 +43,7 @@ class VelodyneDecoder : public PacketDecoder {
   VelodynePacketOrder order_;
   VelodyneScanCutter cutter_;
 
+  VelodyneFirings firings_;           ///< of the current packet
   double cycle_;                      ///< s, the model's or as measured
   std::int64_t measured_time_ = 0;    ///< ns between packets that followed each other ...
   std::int64_t measured_cycles_ = 0;  ///< ... and the cycles in them

@@ -10,7 +10,7 @@ using P = VelodynePacket;
 
 /// Where each block of a packet belongs.
 struct Place {
-  int firing;  ///< in cycles from the packet's start, of the block's first half
+  int firing;  ///< of the packet's
   int ret;     ///< return: 0 is given out first; -1: holds no distances
 };
 
@@ -30,16 +30,16 @@ Layout hdl_64e_layout(const std::uint8_t* packet) {
   return twice ? Layout::groups : Layout::single;
 }
 
-Place find_place(Layout layout, int block, int banks, int per_block) {
+Place find_place(Layout layout, int block, int banks) {
   // With pairs and triples the strongest comes second on the wire and is given out first.
   constexpr int order[] = {1, 0, -1};
   switch (layout) {
     case Layout::single:
-      return {block / banks * per_block, 0};
+      return {block / banks, 0};
     case Layout::pairs:
-      return {block / 2 / banks * per_block, order[block % 2]};
+      return {block / 2 / banks, order[block % 2]};
     case Layout::triples:
-      return {block / 3 / banks * per_block, order[block % 3]};
+      return {block / 3 / banks, order[block % 3]};
     case Layout::groups:
       return {block / 4, block / 2 % 2};
     case Layout::apart:
@@ -60,20 +60,23 @@ int signed_step(int from, int to) {
 
 /// The mean step from block to block, which is finer than the 0.01 degree of the wire; the median where some
 /// step is far off (a field of view begins, a block is damaged).
-void steps_by_time(VelodyneFirings& firings, int per_block) {
+void steps_by_time(VelodyneFirings& firings) {
   std::array<int, P::blocks> steps{};
   int n = 0;
-  for (int i = per_block; i < firings.count; i += per_block) {
+  for (int i = 1; i < firings.count; ++i) {
     steps[static_cast<std::size_t>(n++)] =
-        signed_step(firings.firing[static_cast<std::size_t>(i - per_block)].azimuth,
+        signed_step(firings.firing[static_cast<std::size_t>(i - 1)].azimuth,
                     firings.firing[static_cast<std::size_t>(i)].azimuth);
   }
   if (n == 0) return;
-  std::sort(steps.begin(), steps.begin() + n);
-  double step = steps[static_cast<std::size_t>(n / 2)];
+  const auto [least, most] = std::minmax_element(steps.begin(), steps.begin() + n);
   constexpr int jitter = 8;
-  if (steps[static_cast<std::size_t>(n - 1)] - steps[0] <= jitter) {
+  double step = 0;
+  if (*most - *least <= jitter) {
     step = std::accumulate(steps.begin(), steps.begin() + n, 0.0) / n;
+  } else {
+    std::nth_element(steps.begin(), steps.begin() + n / 2, steps.begin() + n);
+    step = steps[static_cast<std::size_t>(n / 2)];
   }
   for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(step);
 }
@@ -151,48 +154,48 @@ std::optional<VelodyneLayout> find_velodyne_layout(const VelodyneModel& model, c
 
 int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
-  const int last =
-      find_place(layout, used_blocks(layout, banks) - 1, banks, model.firings_per_block()).firing;
-  return last + model.firings_per_block();
+  return (find_place(layout, used_blocks(layout, banks) - 1, banks).firing + 1) * model.firings_per_block();
 }
 
-VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout,
-                                      VelodyneAzimuth azimuth_mode, const std::uint8_t* packet) {
+void read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout, VelodyneAzimuth azimuth_mode,
+                           const std::uint8_t* packet, VelodyneFirings& out) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
   const int per_block = model.firings_per_block();
-  VelodyneFirings out;
-  std::array<bool, 24> seen{};
+  out.count = out.bad_blocks = 0;
+  std::array<bool, VelodyneFirings::most> seen{};
   int last = -1;
   for (int b = 0; b < used_blocks(layout, banks); ++b) {
     const std::uint8_t* block = P::block(packet, b);
-    const Place place = find_place(layout, b, banks, per_block);
+    const Place place = find_place(layout, b, banks);
     const int bank = velodyne_bank(P::flag(block));
     const int azimuth = P::azimuth(block);
     if (bank < 0 || bank * P::channels >= std::max(model.lasers, P::channels) || azimuth >= P::azimuth_turn) {
       ++out.bad_blocks;
       continue;
     }
-    for (int half = 0; half < per_block; ++half) {
-      const auto at = static_cast<std::size_t>(place.firing + half);
-      VelodyneFiring& firing = out.firing[at];
-      if (!seen[at]) {
-        seen[at] = true;
-        firing.azimuth = azimuth;
-        firing.half = half;
-        firing.cycle = place.firing + half;
-      }
-      if (place.ret >= 0)
-        firing.blocks[static_cast<std::size_t>(place.ret)][static_cast<std::size_t>(bank)] = block;
+    const auto at = static_cast<std::size_t>(place.firing);
+    VelodyneFiring& firing = out.firing[at];
+    if (!seen[at]) {
+      seen[at] = true;
+      firing.azimuth = azimuth;
+      firing.cycle = place.firing * per_block;
+      firing.step.fill(0);
+      firing.rounded = false;
+      firing.strongest_ahead.reset();
+      for (auto& blocks : firing.blocks) blocks.fill(nullptr);
     }
-    last = std::max(last, place.firing + per_block - 1);
+    if (place.ret >= 0)
+      firing.blocks[static_cast<std::size_t>(place.ret)][static_cast<std::size_t>(bank)] = block;
+    last = std::max(last, place.firing);
   }
   // Firings whose blocks were all damaged close up; their times stay what they were.
   for (int i = 0; i <= last; ++i) {
-    if (seen[static_cast<std::size_t>(i)]) {
-      out.firing[static_cast<std::size_t>(out.count++)] = out.firing[static_cast<std::size_t>(i)];
-    }
+    if (!seen[static_cast<std::size_t>(i)]) continue;
+    if (i > out.count)
+      out.firing[static_cast<std::size_t>(out.count)] = out.firing[static_cast<std::size_t>(i)];
+    ++out.count;
   }
-  if (layout == Layout::apart) return out;  // when the lasers of an S1 fire is not published
+  if (layout == Layout::apart) return;  // when the lasers of an S1 fire is not published
   if (azimuth_mode == VelodyneAzimuth::published) {
     const bool by_block = banks == 4 || (layout == Layout::pairs && per_block == 2);
     azimuth_mode = by_block ? VelodyneAzimuth::blocks : VelodyneAzimuth::veloview;
@@ -205,9 +208,8 @@ VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout
       steps_by_block(out, layout, per_block, packet);
       break;
     default:
-      steps_by_time(out, per_block);
+      steps_by_time(out);
   }
-  return out;
 }
 
 bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet) {
@@ -220,7 +222,8 @@ bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet
   }
   if (model.lasers > 32) return false;
   for (int b = 0; b < P::blocks; ++b) {
-    if (velodyne_bank(P::flag(P::block(packet, b))) > 0) return true;
+    const std::uint16_t flag = P::flag(P::block(packet, b));
+    if (flag != P::bank_flags[0] && velodyne_bank(flag) > 0) return true;
   }
   return false;
 }

@@ -43,11 +43,11 @@ struct VelodynePacket {
 /// First laser of the bank a block carries; -1 for an unknown flag.
 int velodyne_bank(std::uint16_t flag);
 
-/// One firing of all lasers (of a quarter of them with an HDL-64E S1, whose banks fire apart).
+/// One firing of all lasers (of a quarter of them with an HDL-64E S1, whose banks fire apart); the two of a
+/// block with a VLP-16, one cycle after the other.
 struct VelodyneFiring {
   int azimuth = 0;  ///< 0.01 degree, at the start of the firing
   int cycle = 0;    ///< firing cycles after the packet's first
-  int half = 0;     ///< VLP-16: 0 or 1, which half of the channels
   /// 0.01 degree that the head turns from this block to the next in time, by bank; 0: not to be told.
   std::array<double, 4> step{};
   bool rounded = false;  ///< the lasers' azimuths are rounded to 0.01 degree
@@ -59,7 +59,8 @@ struct VelodyneFiring {
 
 /// How a packet's blocks form firings.
 struct VelodyneFirings {
-  std::array<VelodyneFiring, 24> firing;
+  static constexpr std::size_t most = VelodynePacket::blocks;
+  std::array<VelodyneFiring, most> firing;
   int count = 0;
   int bad_blocks = 0;
 };
@@ -96,8 +97,9 @@ enum class VelodyneAzimuth {
 };
 
 /// Sorts blocks into firings. Blocks with an unknown flag or an impossible azimuth are counted and left out.
-VelodyneFirings read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout,
-                                      VelodyneAzimuth azimuth, const std::uint8_t* packet);
+/// What was in `out` is lost.
+void read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout, VelodyneAzimuth azimuth,
+                           const std::uint8_t* packet, VelodyneFirings& out);
 
 /// True where the packet cannot be of this model: product id or laser banks of another one.
 bool velodyne_other_model(const VelodyneModel& model, const std::uint8_t* packet);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "drivers/lidar/lidar_scan.h"
@@ -22,15 +23,18 @@ class VelodyneProjection {
   /// Seconds from firing to firing, where the model's are not what the packets show.
   void set_cycle(double cycle);
 
+  /// Says what will be projected: the table of all azimuths does not stay in the processor's near caches.
+  void fetch(const VelodyneFirings& firings) const;
+
   /// Adds the returns of a firing, and their exact places where `exact` is not nullptr. Order: by bank, then
-  /// return, then laser. `time`: ns of the packet's first firing. The firing's `step` of 0 leaves all lasers
-  /// at the block's azimuth.
+  /// the firing of its block, then return, then laser. `time`: ns of the packet's first firing. The firing's
+  /// `step` of 0 leaves all lasers at the block's azimuth.
   void project(const VelodyneFiring& firing, std::int64_t time, std::uint32_t column, bool second_returns,
                ReturnWriter& out, std::vector<ExactReturn>* exact);
 
   int rings() const { return lasers_; }
 
-  /// By laser of a bank, readable in whole lanes.
+  /// By channel of a block.
   using Lanes = std::array<float, VelodynePacket::channels>;
   /// What does not change with the head, in single precision.
   struct Bank {
@@ -48,19 +52,30 @@ class VelodyneProjection {
   };
 
  private:
-  /// For one step of the azimuth, by half and bank. The steps of a spinning head are a handful of numbers, so
+  /// For one step of the azimuth, by bank. The steps of a spinning head are a handful of numbers, so
   /// the last ones are kept.
   struct Motion {
     double step = 0;
     bool rounded = false;
-    std::vector<Turned> turned[2];
+    std::vector<Turned> turned;
+  };
+
+  /// One return of a bank.
+  struct Returns {
+    Block block;
+    int azimuth = 0;  ///< as VelodyneFiring
+    double step = 0;
+    FiredBeams beams;
   };
 
   double turned(std::size_t laser, double step, bool rounded, int half) const;
   const Motion& motion(double step, bool rounded);
-  ExactReturn exact_return(int laser, const VelodyneFiring& firing, std::uint32_t counts) const;
-  void add_block(Block& block, int bank, const VelodyneFiring& firing, std::int64_t start,
-                 std::uint32_t column, ReturnWriter& out, std::vector<ExactReturn>* exact);
+  void find_places(Returns& returns, std::size_t bank, bool rounded);
+  ExactReturn exact_return(std::size_t laser, const Returns& returns, bool rounded, int half,
+                           std::uint32_t counts) const;
+  /// The places of a firing again, in double precision: for `exact`, and where near points are corrected.
+  void add_exact(Returns& returns, std::size_t bank, bool rounded, int half,
+                 std::vector<ExactReturn>* exact) const;
 
   VelodyneCalibration calibration_;
   std::vector<double> firing_;  ///< by laser, in cycles after the firing's start
@@ -71,12 +86,15 @@ class VelodyneProjection {
   double lsb_;     ///< m per count
   int per_block_;  ///< firings to a block
   int lasers_;
-  bool sideways_ = false;  ///< some laser has a horizontal offset
+  int fired_;                            ///< lasers of a bank
+  const std::pair<float, float>* head_;  ///< sine and cosine of every azimuth the wire can carry
+  bool sideways_ = false;                ///< some laser has a horizontal offset
   bool two_point_ = false, corrected_intensity_ = false;
-  double cycle_ = 0;                ///< s
-  std::array<Motion, 64> motions_;  ///< by a hash of the step
+  double cycle_ = 0;                                                    ///< s
+  std::array<std::int64_t, 2 * VelodyneFirings::most> after_cycles_{};  ///< ns, by number of cycles
+  std::array<Motion, 64> motions_;                                      ///< by a hash of the step
   std::size_t last_motion_ = 0;
-  FiredBeams beams_;
+  std::array<Returns, 2> returns_;
 };
 
 }  // namespace ca2

@@ -37,6 +37,13 @@ struct Fired {
     return {counts.data(), intensity.data(),          ring.data(), delay.data(),
             column,        1'700'000'000'123'456'789, size};
   }
+  /// All at once, and as if they were the beams of `beams` from the eighth on.
+  FiredNames later_names(std::uint32_t column) const {
+    FiredNames out = names(column);
+    out.delay = nullptr;
+    out.first = 8;
+    return out;
+  }
 };
 
 TEST(ReturnWriter, KeepsWhatIsAReturnInItsOrder) {
@@ -94,9 +101,11 @@ TEST(ReturnWriter, BothBodiesWriteTheSame) {
   for (int size = 1; size <= FiredBeams::most; size += size < 40 ? 1 : 59) {
     for (const double missing : {0.0, 0.1, 0.5, 0.9, 1.0}) {
       const Fired fired(size, missing, random);
+      const FiredNames names =
+          size > FiredBeams::most - 16 || size % 2 == 0 ? fired.names(7) : fired.later_names(7);
       Out portable, avx2;
-      const std::size_t n = detail::write_returns_portable(fired.beams, fired.names(7), portable.targets());
-      ASSERT_EQ(detail::write_returns_avx2(fired.beams, fired.names(7), avx2.targets()), n);
+      const std::size_t n = detail::write_returns_portable(fired.beams, names, portable.targets());
+      ASSERT_EQ(detail::write_returns_avx2(fired.beams, names, avx2.targets()), n);
       const auto same = [n](const auto& a, const auto& b, std::size_t each) {
         return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n * each), b.begin());
       };
@@ -110,6 +119,27 @@ TEST(ReturnWriter, BothBodiesWriteTheSame) {
   }
 }
 #endif
+
+TEST(ReturnWriter, BeamsFromALaterOneOnAndFiredAtOnce) {
+  std::mt19937_64 random(3);
+  const Fired fired(16, 0.3, random);
+  Scan scan;
+  ReturnWriter writer;
+  writer.begin(scan, 16);
+  writer.add(fired.beams, fired.later_names(4));
+  writer.finish();
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < 16; ++i) {
+    if (fired.counts[i] == 0) continue;
+    ASSERT_LT(n, scan.size());
+    EXPECT_EQ(scan.range[n], fired.beams.range[8 + i]);
+    EXPECT_EQ(scan.points[n].z(), fired.beams.z[8 + i]);
+    EXPECT_EQ(scan.ring[n], fired.ring[i]);
+    EXPECT_EQ(scan.time[n], 1'700'000'000'123'456'789);
+    ++n;
+  }
+  EXPECT_EQ(scan.size(), n);
+}
 
 TEST(ScanPool, MemoryComesBackFromAnyThreadAndAfterThePool) {
   auto pool = std::make_unique<ScanPool>();
