@@ -52,7 +52,7 @@ class ReturnWriter {
 
 namespace detail {
 
-/// Where the next returns go. Up to eight beyond what they return may be overwritten.
+/// Where the next returns go. Up to sixteen beyond what they return may be overwritten.
 struct ReturnTargets {
   float* points;
   float* range;
@@ -67,6 +67,8 @@ std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& na
 #if defined(__x86_64__)
 /// The same numbers; only where the processor has AVX2.
 std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
+/// Where it has AVX-512 with F, BW and VL.
+std::size_t write_returns_avx512(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
 #endif
 
 }  // namespace detail

@@ -25,6 +25,8 @@ CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column
       (geometry.t + geometry.columns[column].M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z))
           .cast<float>();
   const auto origin = static_cast<float>(geometry.origin_range);
+  // As nearly all sensors are set up, z is that of the head; what is left out below is multiplied by 0 or 1.
+  const bool upright = M.row(2) == Eigen::RowVector3f(0, 0, 1) && M.col(2) == Eigen::Vector3f(0, 0, 1);
   for (int row = 0; row < pixels.rows; row += lanes::count) {
     lanes::Floats range, a, b, c;
     lanes::load(range, pixels.range + row);
@@ -33,9 +35,15 @@ CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column
     lanes::load(c, geometry.c_lanes.data() + row);
     range = range / 1000.0f;
     const lanes::Floats p = range - origin;
-    lanes::store(out.x + row, p * (M(0, 0) * a + M(0, 1) * b + M(0, 2) * c) + base.x());
-    lanes::store(out.y + row, p * (M(1, 0) * a + M(1, 1) * b + M(1, 2) * c) + base.y());
-    lanes::store(out.z + row, p * (M(2, 0) * a + M(2, 1) * b + M(2, 2) * c) + base.z());
+    lanes::Floats x = M(0, 0) * a + M(0, 1) * b, y = M(1, 0) * a + M(1, 1) * b, z = c;
+    if (!upright) {
+      x = x + M(0, 2) * c;
+      y = y + M(1, 2) * c;
+      z = M(2, 0) * a + M(2, 1) * b + M(2, 2) * c;
+    }
+    lanes::store(out.x + row, p * x + base.x());
+    lanes::store(out.y + row, p * y + base.y());
+    lanes::store(out.z + row, p * z + base.z());
     lanes::store(out.range + row, range);
   }
 }

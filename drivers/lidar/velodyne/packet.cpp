@@ -1,6 +1,7 @@
 #include "drivers/lidar/velodyne/packet.h"
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 namespace ca2 {
@@ -30,22 +31,27 @@ Layout hdl_64e_layout(const std::uint8_t* packet) {
   return twice ? Layout::groups : Layout::single;
 }
 
-Place find_place(Layout layout, int block, int banks) {
+/// `bits`: the number of banks is two to the power of these.
+Place find_place(Layout layout, int block, int bits) {
   // With pairs and triples the strongest comes second on the wire and is given out first.
   constexpr int order[] = {1, 0, -1};
   switch (layout) {
     case Layout::single:
-      return {block / banks, 0};
+      return {block >> bits, 0};
     case Layout::pairs:
-      return {block / 2 / banks, order[block % 2]};
+      return {block / 2 >> bits, order[block % 2]};
     case Layout::triples:
-      return {block / 3 / banks, order[block % 3]};
+      return {block / 3 >> bits, order[block % 3]};
     case Layout::groups:
       return {block / 4, block / 2 % 2};
     case Layout::apart:
       return {block, 0};
   }
   return {0, -1};
+}
+
+int bits_of(int banks) {
+  return std::countr_zero(static_cast<unsigned>(banks));
 }
 
 /// VLS-128, dual: one firing fills eight blocks, the rest of the packet is filler with flag 0.
@@ -73,7 +79,7 @@ void steps_by_time(VelodyneFirings& firings) {
   constexpr int jitter = 8;
   double step = 0;
   if (*most - *least <= jitter) {
-    step = std::accumulate(steps.begin(), steps.begin() + n, 0.0) / n;
+    step = static_cast<double>(std::accumulate(steps.begin(), steps.begin() + n, 0)) / n;
   } else {
     std::nth_element(steps.begin(), steps.begin() + n / 2, steps.begin() + n);
     step = steps[static_cast<std::size_t>(n / 2)];
@@ -154,19 +160,21 @@ std::optional<VelodyneLayout> find_velodyne_layout(const VelodyneModel& model, c
 
 int velodyne_cycles(const VelodyneModel& model, VelodyneLayout layout) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
-  return (find_place(layout, used_blocks(layout, banks) - 1, banks).firing + 1) * model.firings_per_block();
+  return (find_place(layout, used_blocks(layout, banks) - 1, bits_of(banks)).firing + 1) *
+         model.firings_per_block();
 }
 
 void read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout, VelodyneAzimuth azimuth_mode,
                            const std::uint8_t* packet, VelodyneFirings& out) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
   const int per_block = model.firings_per_block();
+  const int bits = bits_of(banks);
   out.count = out.bad_blocks = 0;
   std::array<bool, VelodyneFirings::most> seen{};
   int last = -1;
   for (int b = 0; b < used_blocks(layout, banks); ++b) {
     const std::uint8_t* block = P::block(packet, b);
-    const Place place = find_place(layout, b, banks);
+    const Place place = find_place(layout, b, bits);
     const int bank = velodyne_bank(P::flag(block));
     const int azimuth = P::azimuth(block);
     if (bank < 0 || bank * P::channels >= std::max(model.lasers, P::channels) || azimuth >= P::azimuth_turn) {

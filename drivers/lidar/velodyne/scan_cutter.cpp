@@ -9,7 +9,7 @@ constexpr int jitter = 1000;
 }  // namespace
 
 int VelodyneScanCutter::past_cut(int azimuth) const {
-  return (azimuth - cut_ + turn) % turn;
+  return azimuth < cut_ ? azimuth - cut_ + turn : azimuth - cut_;
 }
 
 bool VelodyneScanCutter::begins(int azimuth, double advance) {
@@ -23,7 +23,7 @@ bool VelodyneScanCutter::begins(int azimuth, double advance) {
     last_ = now;
     return true;
   }
-  const int forward = (now - last_ + turn) % turn;
+  const int forward = now < last_ ? now - last_ + turn : now - last_;
   if (forward > turn - jitter) return false;  // and the furthest azimuth stays the mark
   const bool wrapped = now < last_;
   last_ = now;

@@ -1,4 +1,4 @@
-// Returns into scans: what is left out, both bodies of the loop, whose memory is used.
+// Returns into scans: what is left out, every body of the loop, whose memory is used.
 #include "drivers/lidar/return_writer.h"
 
 #include <gtest/gtest.h>
@@ -85,15 +85,17 @@ TEST(ReturnWriter, KeepsWhatIsAReturnInItsOrder) {
 }
 
 #if defined(__x86_64__)
-TEST(ReturnWriter, BothBodiesWriteTheSame) {
+TEST(ReturnWriter, EveryBodyWritesTheSame) {
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this processor has no AVX2";
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512vl");
   std::mt19937_64 random(2);
   struct Out {
-    std::array<float, 3 * FiredBeams::most + 24> points{};
-    std::array<float, FiredBeams::most + 8> range{}, intensity{};
-    std::array<std::uint16_t, FiredBeams::most + 8> ring{};
-    std::array<std::uint32_t, FiredBeams::most + 8> column{};
-    std::array<std::int64_t, FiredBeams::most + 8> time{};
+    std::array<float, 3 * FiredBeams::most + 48> points{};
+    std::array<float, FiredBeams::most + 16> range{}, intensity{};
+    std::array<std::uint16_t, FiredBeams::most + 16> ring{};
+    std::array<std::uint32_t, FiredBeams::most + 16> column{};
+    std::array<std::int64_t, FiredBeams::most + 16> time{};
     detail::ReturnTargets targets() {
       return {points.data(), range.data(), intensity.data(), ring.data(), column.data(), time.data()};
     }
@@ -103,18 +105,22 @@ TEST(ReturnWriter, BothBodiesWriteTheSame) {
       const Fired fired(size, missing, random);
       const FiredNames names =
           size > FiredBeams::most - 16 || size % 2 == 0 ? fired.names(7) : fired.later_names(7);
-      Out portable, avx2;
+      Out portable;
       const std::size_t n = detail::write_returns_portable(fired.beams, names, portable.targets());
-      ASSERT_EQ(detail::write_returns_avx2(fired.beams, names, avx2.targets()), n);
-      const auto same = [n](const auto& a, const auto& b, std::size_t each) {
-        return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n * each), b.begin());
-      };
-      EXPECT_TRUE(same(portable.points, avx2.points, 3));
-      EXPECT_TRUE(same(portable.range, avx2.range, 1));
-      EXPECT_TRUE(same(portable.intensity, avx2.intensity, 1));
-      EXPECT_TRUE(same(portable.ring, avx2.ring, 1));
-      EXPECT_TRUE(same(portable.column, avx2.column, 1));
-      EXPECT_TRUE(same(portable.time, avx2.time, 1));
+      for (const auto write : {detail::write_returns_avx2, detail::write_returns_avx512}) {
+        if (write == detail::write_returns_avx512 && !avx512) continue;
+        Out vectors;
+        ASSERT_EQ(write(fired.beams, names, vectors.targets()), n);
+        const auto same = [n](const auto& a, const auto& b, std::size_t each) {
+          return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n * each), b.begin());
+        };
+        EXPECT_TRUE(same(portable.points, vectors.points, 3));
+        EXPECT_TRUE(same(portable.range, vectors.range, 1));
+        EXPECT_TRUE(same(portable.intensity, vectors.intensity, 1));
+        EXPECT_TRUE(same(portable.ring, vectors.ring, 1));
+        EXPECT_TRUE(same(portable.column, vectors.column, 1));
+        EXPECT_TRUE(same(portable.time, vectors.time, 1));
+      }
     }
   }
 }
