@@ -93,15 +93,17 @@ void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Asses
   const bool held =
       assessment.phase == Assessment::Phase::holding || assessment.phase == Assessment::Phase::ready;
   const auto dwell = static_cast<std::int64_t>(1e9 * options.dwell);
-  const auto oldest = [&](std::int64_t newest, std::int64_t slack) {
-    if (decided) return newest - dwell - slack;
-    return (held ? std::min(assessment.since, newest) : newest) - slack;
+  const auto oldest = [&](std::int64_t newest, std::int64_t lag) {
+    // For whoever asks for a view of this hold all the same.
+    if (decided) return newest - dwell;
+    return held ? std::min(assessment.since, newest) - settling : newest - settling - lag;
   };
   for (CameraTrack& camera : tracks.cameras) {
-    if (camera.newest()) camera.release_before(oldest(camera.newest()->time, settling));
+    if (camera.newest()) camera.release_before(oldest(camera.newest()->time, 0));
   }
+  // A scan is there before the picture that tells of a hold in it has been searched.
   for (LidarTrack& lidar : tracks.lidars) {
-    if (lidar.newest()) lidar.release_before(oldest(lidar.newest()->time, settling + 3 * lidar.period()));
+    if (lidar.newest()) lidar.release_before(oldest(lidar.newest()->time, 3 * lidar.period()));
   }
 }
 

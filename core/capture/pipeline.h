@@ -15,17 +15,19 @@
 #include "core/capture/status.h"
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
+#include "core/session/session.h"
 #include "core/types/result.h"
 
 namespace ca2 {
 
-/// To be written (session.h, write_view) and searched again (extract.h, extract_view), so that the features
-/// are those that a later `ca2 solve` finds; the answer goes to CapturePipeline::stored.
+/// To be written and searched (store_view.h), so that the features are those that a later `ca2 solve` finds;
+/// the answer goes to CapturePipeline::stored.
 struct StoreView {
   int id = 0;
   std::map<std::string, Image> images;  ///< by camera: the mean over the hold
-  std::map<std::string, Scan> scans;    ///< by LiDAR: all returns of the hold
-  std::string details;                  ///< view.yaml
+  std::map<std::string, std::vector<std::shared_ptr<const Scan>>> scans;  ///< by LiDAR: of the hold
+  std::map<std::string, Pick> picks;                                      ///< by LiDAR
+  std::string details;                                                    ///< view.yaml
 };
 
 /// To be solved (solve_views.h); the answer goes to CapturePipeline::solved. A newer request replaces one

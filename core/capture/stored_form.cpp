@@ -13,19 +13,22 @@ StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map
   details.gates = view.gates;
   for (const auto& [c, camera] : view.cameras) {
     const std::string& name = tracks.camera_names[c];
-    action.images[name] = mean_image(camera.pictures);
     details.pictures[name] = camera.pictures.size();
     details.corners[name] = camera.corners.size();
+    action.images[name] = mean_image(camera.pictures);
     for (const CameraObservation* picture : camera.pictures) details.stamps[name].push_back(picture->time);
   }
   for (const auto& [l, lidar] : view.lidars) {
     const std::string& name = tracks.lidar_names[l];
-    action.scans[name] = gathered_scan(lidar.scans);
     details.scans[name] = lidar.scans.size();
-    for (const LidarObservation* scan : lidar.scans) details.stamps[name].push_back(scan->time);
+    for (const LidarObservation* scan : lidar.scans) {
+      action.scans[name].push_back(scan->scan);
+      details.stamps[name].push_back(scan->time);
+    }
     if (const auto pick = picks.find(static_cast<int>(l)); pick != picks.end())
-      details.picks[name] = pick->second;
+      action.picks[name] = pick->second;
   }
+  details.picks = action.picks;
   action.details = details_text(details);
   return action;
 }

@@ -9,7 +9,7 @@
 
 namespace ca2 {
 
-/// Mean pictures, gathered returns and the text of view.yaml. `picks`: by LiDAR.
+/// The mean pictures, the scans (shared with the tracks) and the text of view.yaml. `picks`: by LiDAR.
 StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map<int, Pick>& picks, int id,
                       bool automatic);
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ namespace ca2 {
 Image mean_image(const std::vector<const CameraObservation*>& pictures);
 
 /// All returns of the scans. An array that one of them lacks is left out.
-Scan gathered_scan(const std::vector<const LidarObservation*>& scans);
+Scan gathered_scan(const std::vector<std::shared_ptr<const Scan>>& scans);
 
 /// What view.yaml says beside the data.
 struct ViewDetails {

@@ -216,8 +216,12 @@ Result<ViewSights> extract_view(const Session& session, int id) {
   Result<std::vector<SensorFile>> files = list_files(session, {id});
   if (!files) return fail(files.error());
   search(session, *files, {});
-  const std::size_t view = files->front().view;
-  return Assembly(session, std::move(*files)).make_view(view);
+  return view_sights(session, std::move(*files));
+}
+
+Result<ViewSights> view_sights(const Session& session, std::vector<SensorFile> files) {
+  const std::size_t view = files.front().view;
+  return Assembly(session, std::move(files)).make_view(view);
 }
 
 }  // namespace ca2

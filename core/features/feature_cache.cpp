@@ -6,6 +6,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "core/io/content_digest.h"
 #include "core/io/files.h"
 
 namespace ca2 {
@@ -13,19 +14,6 @@ namespace {
 
 constexpr std::uint64_t magic =
     0x3130534541324143;  // "CA2AES01" on little-endian machines: others start anew
-
-/// FNV-1a over 8 bytes at a time: it guards against accidents, not against enemies.
-std::uint64_t digest(std::string_view bytes, std::uint64_t hash = 0xcbf29ce484222325) {
-  while (bytes.size() >= 8) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data(), 8);
-    hash = (hash ^ word) * 0x100000001b3;
-    hash ^= hash >> 29;
-    bytes.remove_prefix(8);
-  }
-  for (const char byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-  return hash;
-}
 
 class Writer {
  public:
@@ -99,13 +87,13 @@ bool describe(const std::filesystem::path& data, Header& header) {
 std::optional<std::uint64_t> content_of(const std::filesystem::path& data) {
   const Result<std::string> text = read_text(data, std::size_t{1} << 30);
   if (!text) return std::nullopt;
-  return digest(*text);
+  return ContentDigest::of(*text);
 }
 
 }  // namespace
 
 FeatureCache::FeatureCache(std::filesystem::path directory, const std::string& settings)
-    : directory_(std::move(directory)), settings_(digest(settings)) {}
+    : directory_(std::move(directory)), settings_(ContentDigest::of(settings)) {}
 
 std::optional<std::string> FeatureCache::load(const std::string& name,
                                               const std::filesystem::path& data) const {
@@ -118,7 +106,7 @@ std::optional<std::string> FeatureCache::load(const std::string& name,
   std::memcpy(&kept, text.data(), sizeof(Header));
   std::string payload = text.substr(sizeof(Header));
   Header now;
-  if (kept.magic != magic || kept.settings != settings_ || kept.payload != digest(payload) ||
+  if (kept.magic != magic || kept.settings != settings_ || kept.payload != ContentDigest::of(payload) ||
       !describe(data, now) || kept.size != now.size) {
     return std::nullopt;
   }
@@ -127,15 +115,15 @@ std::optional<std::string> FeatureCache::load(const std::string& name,
 }
 
 void FeatureCache::store(const std::string& name, const std::filesystem::path& data,
-                         const std::string& payload) const {
+                         std::optional<std::uint64_t> content, const std::string& payload) const {
   Header header;
   if (directory_.empty() || !describe(data, header)) return;
-  const std::optional<std::uint64_t> content = content_of(data);
+  if (!content) content = content_of(data);
   if (!content) return;
   header.magic = magic;
   header.settings = settings_;
   header.content = *content;
-  header.payload = digest(payload);
+  header.payload = ContentDigest::of(payload);
   std::error_code error;
   const std::filesystem::path file = directory_ / name;
   std::filesystem::create_directories(file.parent_path(), error);
@@ -171,7 +159,7 @@ std::optional<ImageFeatures> FeatureCache::load_image(const std::string& name,
 }
 
 void FeatureCache::store_image(const std::string& name, const std::filesystem::path& data,
-                               const ImageFeatures& features) const {
+                               std::optional<std::uint64_t> content, const ImageFeatures& features) const {
   Writer writer;
   writer.put(static_cast<std::int32_t>(features.width));
   writer.put(static_cast<std::int32_t>(features.height));
@@ -181,7 +169,7 @@ void FeatureCache::store_image(const std::string& name, const std::filesystem::p
     writer.put(corner.pixel.data(), 2);
     writer.put(corner.covariance.data(), 4);
   }
-  store(name, data, writer.text());
+  store(name, data, content, writer.text());
 }
 
 std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::string& name,
@@ -208,6 +196,7 @@ std::optional<std::vector<LidarSight>> FeatureCache::load_cloud(const std::strin
 }
 
 void FeatureCache::store_cloud(const std::string& name, const std::filesystem::path& data,
+                               std::optional<std::uint64_t> content,
                                const std::vector<LidarSight>& sights) const {
   Writer writer;
   writer.put(static_cast<std::uint32_t>(sights.size()));
@@ -221,7 +210,7 @@ void FeatureCache::store_cloud(const std::string& name, const std::filesystem::p
     writer.put(sight.around);
     writer.put(sight.crossings);
   }
-  store(name, data, writer.text());
+  store(name, data, content, writer.text());
 }
 
 }  // namespace ca2

@@ -29,15 +29,17 @@ class FeatureCache {
   std::optional<ImageFeatures> load_image(const std::string& name, const std::filesystem::path& data) const;
   std::optional<std::vector<LidarSight>> load_cloud(const std::string& name,
                                                     const std::filesystem::path& data) const;
-  /// Failures to write are not errors: the next solve is slower, nothing else.
+  /// `content`: ContentDigest of the file, where it is known; otherwise the file is read for it. Failures to
+  /// write are not errors: the next solve is slower, nothing else.
   void store_image(const std::string& name, const std::filesystem::path& data,
-                   const ImageFeatures& features) const;
+                   std::optional<std::uint64_t> content, const ImageFeatures& features) const;
   void store_cloud(const std::string& name, const std::filesystem::path& data,
-                   const std::vector<LidarSight>& sights) const;
+                   std::optional<std::uint64_t> content, const std::vector<LidarSight>& sights) const;
 
  private:
   std::optional<std::string> load(const std::string& name, const std::filesystem::path& data) const;
-  void store(const std::string& name, const std::filesystem::path& data, const std::string& payload) const;
+  void store(const std::string& name, const std::filesystem::path& data, std::optional<std::uint64_t> content,
+             const std::string& payload) const;
 
   std::filesystem::path directory_;
   std::uint64_t settings_ = 0;

@@ -29,55 +29,65 @@ std::string settings_of(const Board& board) {
   return std::string(board.type->name()) + ' ' + board.dictionary + text;
 }
 
-Result<std::vector<LidarSight>> search_cloud(const Board& board, const std::filesystem::path& file,
-                                             const Pick* pick) {
-  const Result<Scan> scan = read_cloud(file);
-  if (!scan) return fail(scan.error());
-  if (!pick) return find_sights(*scan, board);
-  Result<LidarSight> picked = picked_sight(*scan, board, *pick);
-  if (!picked) return fail(picked.error());
-  return std::vector<LidarSight>{std::move(*picked)};
+FeatureCache cache_of(const Session& session) {
+  return {session.directory / "cache", settings_of(session.rig.board)};
 }
 
-Result<ImageFeatures> search_image(const Board& board, const std::filesystem::path& file) {
-  const Result<Image> image = read_png(file);
-  if (!image) return fail(image.error());
-  return ImageFeatures{image->width, image->height, detect_board(board, *image)};
-}
-
-void run(SensorFile& file, const Board& board, const FeatureCache& cache, const std::string& view_name) {
-  std::string name = view_name + '/' + file.sensor + ".features";
+/// A name in the cache.
+std::string cached_name(const Session& session, const SensorFile& file) {
+  std::string name = session.views[file.view].directory.filename().string() + '/' + file.sensor + ".features";
   if (file.pick) {  // a pick is a setting of this one file: it goes into the cached features' name
     name += '.' + std::to_string(file.pick->row) + '.' + std::to_string(file.pick->column) + '.' +
             std::to_string(file.pick->radius);
   }
+  return name;
+}
+
+/// From the cache, where it knows.
+bool recall(SensorFile& file, const FeatureCache& cache, const std::string& name) {
   if (file.is_image) {
-    if (auto kept = cache.load_image(name, file.path)) {
-      file.image = std::move(*kept);
-      file.cached = true;
-      return;
-    }
-    Result<ImageFeatures> found = search_image(board, file.path);
-    if (!found) {
-      file.error = found.error();
-      return;
-    }
-    file.image = std::move(*found);
-    cache.store_image(name, file.path, file.image);
-    return;
+    auto kept = cache.load_image(name, file.path);
+    if (kept) file.image = std::move(*kept);
+    file.cached = kept.has_value();
+  } else {
+    auto kept = cache.load_cloud(name, file.path);
+    if (kept) file.cloud = std::move(*kept);
+    file.cached = kept.has_value();
   }
-  if (auto kept = cache.load_cloud(name, file.path)) {
-    file.cloud = std::move(*kept);
-    file.cached = true;
-    return;
+  return file.cached;
+}
+
+void keep(const SensorFile& file, const FeatureCache& cache, const std::string& name) {
+  if (file.error) return;
+  if (file.is_image)
+    cache.store_image(name, file.path, file.content, file.image);
+  else
+    cache.store_cloud(name, file.path, file.content, file.cloud);
+}
+
+void read_and_search(SensorFile& file, const Board& board) {
+  if (file.is_image) {
+    const Result<Image> image = read_png(file.path);
+    image ? search_image(file, board, *image) : void(file.error = image.error());
+  } else {
+    const Result<Scan> scan = read_pcd(file.path);
+    scan ? search_cloud(file, board, *scan) : void(file.error = scan.error());
   }
-  Result<std::vector<LidarSight>> found = search_cloud(board, file.path, file.pick);
-  if (!found) {
-    file.error = found.error();
-    return;
-  }
-  file.cloud = std::move(*found);
-  cache.store_cloud(name, file.path, file.cloud);
+}
+
+void run(const Session& session, SensorFile& file, const FeatureCache& cache) {
+  const std::string name = cached_name(session, file);
+  if (recall(file, cache, name)) return;
+  read_and_search(file, session.rig.board);
+  keep(file, cache, name);
+}
+
+/// Why there can be nothing in the cloud; nothing where it has returns.
+std::optional<Error> without_returns(const Scan& scan, const std::filesystem::path& file) {
+  if (scan.returns() > 0) return std::nullopt;
+  return Error(ErrorCode::data, file.string(),
+               scan.empty() ? "the cloud has no points"
+                            : "none of the cloud's " + std::to_string(scan.size()) + " points is a return");
 }
 
 /// Runs body(0) .. body(count - 1) on several threads; progress is called from this one.
@@ -119,10 +129,32 @@ std::string view_range(const Session& session) {
 
 Result<Scan> read_cloud(const std::filesystem::path& file) {
   Result<Scan> scan = read_pcd(file);
-  if (!scan || scan->returns() > 0) return scan;
-  return fail(ErrorCode::data, file.string(),
-              scan->empty() ? "the cloud has no points"
-                            : "none of the cloud's " + std::to_string(scan->size()) + " points is a return");
+  if (!scan) return scan;
+  if (auto why = without_returns(*scan, file)) return fail(std::move(*why));
+  return scan;
+}
+
+void search_image(SensorFile& file, const Board& board, const Image& image) {
+  file.image = {image.width, image.height, detect_board(board, image)};
+}
+
+void search_cloud(SensorFile& file, const Board& board, const Scan& scan) {
+  file.error = without_returns(scan, file.path);
+  if (file.error) return;
+  if (!file.pick) {
+    file.cloud = find_sights(scan, board);
+    return;
+  }
+  Result<LidarSight> picked = picked_sight(scan, board, *file.pick);
+  if (picked)
+    file.cloud = {std::move(*picked)};
+  else
+    file.error = picked.error();
+}
+
+void keep_found(const Session& session, const std::vector<SensorFile>& files) {
+  const FeatureCache cache = cache_of(session);
+  for (const SensorFile& file : files) keep(file, cache, cached_name(session, file));
 }
 
 Result<std::vector<SensorFile>> list_files(const Session& session, const std::vector<int>& wanted) {
@@ -160,12 +192,9 @@ Result<std::vector<SensorFile>> list_files(const Session& session, const std::ve
 }
 
 void search(const Session& session, std::vector<SensorFile>& files, const ExtractOptions& options) {
-  const FeatureCache cache(options.cache ? session.directory / "cache" : std::filesystem::path(),
-                           settings_of(session.rig.board));
+  const FeatureCache cache = options.cache ? cache_of(session) : FeatureCache({}, {});
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const auto body = [&](std::size_t i) {
-    run(files[i], session.rig.board, cache, session.views[files[i].view].directory.filename().string());
-  };
+  const auto body = [&](std::size_t i) { run(session, files[i], cache); };
   in_parallel(files.size(), options.threads > 0 ? options.threads : cores, body, options.progress);
 }
 

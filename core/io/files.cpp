@@ -42,7 +42,7 @@ tl::unexpected<Error> system_failure(ErrorCode code, const fs::path& file, const
   return fail(code, file.string(), action + ": " + std::generic_category().message(number));
 }
 
-bool write_all(int fd, const std::string& content) {
+bool write_all(int fd, std::string_view content) {
   std::size_t done = 0;
   while (done < content.size()) {
     const ssize_t n = ::write(fd, content.data() + done, content.size() - done);
@@ -54,15 +54,21 @@ bool write_all(int fd, const std::string& content) {
 }
 
 /// Creates `file`, which must not exist, with the content on the disk.
-Result<void> create_durably(const fs::path& file, const std::string& content) {
+Result<void> create_durably(const fs::path& file, const std::function<void(const PieceSink&)>& content) {
   Descriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644));
   if (!out.valid()) return system_failure(ErrorCode::cannot_create, file, "cannot be created");
-  if (!write_all(out.get(), content) || ::fsync(out.get()) != 0 || !out.close()) {
+  bool written = true;
+  content([&](std::string_view piece) { return written = written && write_all(out.get(), piece); });
+  if (!written || ::fsync(out.get()) != 0 || !out.close()) {
     const auto failure = system_failure(ErrorCode::io, file, "writing failed");
     ::unlink(file.c_str());
     return failure;
   }
   return {};
+}
+
+std::function<void(const PieceSink&)> in_one_piece(const std::string& content) {
+  return [&content](const PieceSink& sink) { sink(content); };
 }
 
 /// A hidden name beside the file that no other thread or live process uses.
@@ -115,6 +121,10 @@ Result<std::string> read_text(const fs::path& file, std::size_t limit) {
 }
 
 Result<void> write_new(const fs::path& file, const std::string& content) {
+  return create_durably(file, in_one_piece(content));
+}
+
+Result<void> write_new(const fs::path& file, const std::function<void(const PieceSink&)>& content) {
   return create_durably(file, content);
 }
 
@@ -132,7 +142,7 @@ Result<void> write_atomically(const fs::path& file, const std::string& content) 
   const fs::path temporary = temporary_beside(file);
   // Of this name there can only be what a crash left behind long ago.
   ::unlink(temporary.c_str());
-  const Result<void> written = create_durably(temporary, content);
+  const Result<void> written = create_durably(temporary, in_one_piece(content));
   if (!written) {
     // The person knows the file, not the temporary.
     Error error = written.error();

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -24,6 +25,11 @@ Result<void> write_atomically(const std::filesystem::path& file, const std::stri
 /// Writes a new file and fsyncs it; ErrorCode::cannot_create where there is something of that name already.
 /// For the files of a directory that is renamed as a whole.
 Result<void> write_new(const std::filesystem::path& file, const std::string& content);
+/// The same of content that comes in pieces, none of them kept: `content` gives each to its argument, and
+/// stops where that says false.
+using PieceSink = std::function<bool(std::string_view)>;
+Result<void> write_new(const std::filesystem::path& file,
+                       const std::function<void(const PieceSink&)>& content);
 /// fsync of a directory: makes the creations and renames in it durable.
 Result<void> sync_directory(const std::filesystem::path& directory);
 
@@ -52,5 +58,8 @@ Result<Scan> read_pcd(const std::filesystem::path& file);
 Result<void> write_pcd(const std::filesystem::path& file, const Scan& scan);
 Result<Scan> parse_pcd(std::string_view content, const std::string& name);
 Result<std::string> encode_pcd(const Scan& scan);
+/// In pieces of about a megabyte, for write_new. ErrorCode::internal, and no piece, for a scan whose arrays
+/// have different lengths.
+Result<void> encode_pcd(const Scan& scan, const PieceSink& sink);
 
 }  // namespace ca2

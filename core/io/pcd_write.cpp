@@ -1,9 +1,13 @@
+#include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 #include "core/io/files.h"
 
 namespace ca2 {
 namespace {
+
+constexpr std::size_t points_per_piece = 32768;
 
 /// A field of the file and where its values lie in memory.
 struct Column {
@@ -53,28 +57,58 @@ std::string header_of(const Scan& scan, const std::vector<Column>& columns) {
          points + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n";
 }
 
+/// The column's values of some points, `stride` bytes from one to the next.
+template <class Value>
+void put(const Column& column, std::size_t first, std::size_t count, char* to, std::size_t stride) {
+  const char* from = column.values + first * column.step;
+  for (std::size_t i = 0; i < count; ++i, from += column.step, to += stride)
+    std::memcpy(to, from, sizeof(Value));
+}
+
+void put_column(const Column& column, std::size_t first, std::size_t count, char* to, std::size_t stride) {
+  switch (column.size) {
+    case 2:
+      return put<std::uint16_t>(column, first, count, to, stride);
+    case 4:
+      return put<std::uint32_t>(column, first, count, to, stride);
+    default:
+      return put<std::uint64_t>(column, first, count, to, stride);
+  }
+}
+
 }  // namespace
 
-Result<std::string> encode_pcd(const Scan& scan) {
+Result<void> encode_pcd(const Scan& scan, const PieceSink& sink) {
   const auto fits = [&](std::size_t size) { return size == 0 || size == scan.size(); };
   if (!fits(scan.intensity.size()) || !fits(scan.range.size()) || !fits(scan.ring.size()) ||
       !fits(scan.column.size()) || !fits(scan.time.size())) {
     return fail(ErrorCode::internal, "", "a scan whose arrays have different lengths");
   }
   const std::vector<Column> columns = columns_of(scan);
-  std::string content = header_of(scan, columns);
   std::size_t stride = 0;
   for (const Column& column : columns) stride += column.size;
-  std::size_t offset = content.size();
-  content.resize(content.size() + stride * scan.size());
-  for (const Column& column : columns) {
-    char* to = content.data() + offset;
-    for (std::size_t i = 0; i < scan.size(); ++i, to += stride) {
-      std::memcpy(to, column.values + i * column.step, column.size);
+  bool wanted = sink(header_of(scan, columns));
+  std::string piece;
+  for (std::size_t first = 0; wanted && first < scan.size(); first += points_per_piece) {
+    const std::size_t count = std::min(points_per_piece, scan.size() - first);
+    piece.resize(stride * count);
+    char* to = piece.data();
+    for (const Column& column : columns) {
+      put_column(column, first, count, to, stride);
+      to += column.size;
     }
-    offset += column.size;
+    wanted = sink(piece);
   }
-  return content;
+  return {};
+}
+
+Result<std::string> encode_pcd(const Scan& scan) {
+  std::string content;
+  const auto encoded = encode_pcd(scan, [&](std::string_view piece) {
+    content += piece;
+    return true;
+  });
+  return encoded ? Result<std::string>(std::move(content)) : fail(encoded.error());
 }
 
 Result<void> write_pcd(const std::filesystem::path& file, const Scan& scan) {

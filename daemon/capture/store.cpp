@@ -1,9 +1,12 @@
 #include "daemon/capture/store.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <chrono>
 #include <ctime>
 
+#include "core/capture/store_view.h"
 #include "core/features/extract.h"
 #include "core/io/files.h"
 #include "daemon/config/check_sources.h"
@@ -187,13 +190,11 @@ void Store::write(std::shared_ptr<const StoreView> view, Answer<ViewSights> answ
   run<ViewSights>(
       [this, view]() -> Result<ViewSights> {
         const auto same = [&](const SessionView& other) { return other.id == view->id; };
-        if (std::none_of(session_.views.begin(), session_.views.end(), same)) {
-          Result<SessionView> written =
-              write_view(session_.directory, view->id, view->images, view->scans, view->details);
-          if (!written) return fail(written.error());
-          session_.views.push_back(std::move(*written));
-        }
-        return extract_view(session_, view->id);
+        const bool written = std::any_of(session_.views.begin(), session_.views.end(), same);
+        Result<ViewSights> sights = written ? extract_view(session_, view->id) : store_view(session_, *view);
+        // What the view took lies between pictures that come and go: the process would keep it for ever.
+        ::malloc_trim(0);
+        return sights;
       },
       std::move(answer));
 }

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "core/capture/solve_views.h"
+#include "core/capture/store_view.h"
 #include "core/features/extract.h"
 #include "core/io/files.h"
 #include "drivers/net/pacer.h"
@@ -50,15 +51,15 @@ class Host {
   }
 
   Result<ViewSights> store(std::int64_t now, const StoreView& view) {
-    const auto written = write_view(session_.directory, view.id, view.images, view.scans, view.details);
-    if (!written) {
+    const std::size_t before = session_.views.size();
+    Result<ViewSights> sights = store_view(session_, view);
+    if (session_.views.size() > before) {
+      report.stored[view.id] = now;
+    } else {
       ++report.failed;
-      if (!error) error = written.error();
-      return fail(written.error());
+      if (!error) error = sights.error();
     }
-    report.stored[view.id] = now;
-    session_.views.push_back(*written);
-    return extract_view(session_, view.id);
+    return sights;
   }
 
   /// What was stored was not good enough after all.

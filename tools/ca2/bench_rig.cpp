@@ -167,6 +167,14 @@ Losses losses(const nlohmann::json& status) {
   return sum;
 }
 
+/// CPU of writing and searching one view; null where none was saved.
+nlohmann::json view_saved_ms(const nlohmann::json& threads, double seconds, const nlohmann::json& before,
+                             const nlohmann::json& after) {
+  const int views = after.at("views").get<int>() - before.at("views").get<int>();
+  if (views <= 0 || !threads.contains("ca2-writer")) return nullptr;
+  return 10 * threads["ca2-writer"].get<double>() * seconds / views;
+}
+
 Result<nlohmann::json> measure(const Recording& recording, const fs::path& directory, int packet_size) {
   const fs::path log = directory / "log", socket = directory / "control.sock";
   std::error_code error;
@@ -222,6 +230,7 @@ Result<nlohmann::json> measure(const Recording& recording, const fs::path& direc
                         {"lost", lost_after.lost - lost_before.lost},
                         {"shed", lost_after.shed - lost_before.shed},
                         {"views", after->at("views")},
+                        {"view_saved_ms", view_saved_ms(threads, seconds, *before, *after)},
                         {"sensors", after->at("sensors")}};
 }
 
@@ -258,6 +267,8 @@ Result<int> bench_rig(const BenchOptions& options) {
         values["cpu_percent"].get<double>(), values["resident_mb"].get<double>(),
         values["most_resident_mb"].get<double>(), values["frames"].get<double>(),
         values["lost"].get<double>(), values["shed"].get<double>(), values["views"].get<int>());
+    if (const nlohmann::json& saved = values["view_saved_ms"]; !saved.is_null())
+      std::printf("  a view saved and searched: %.0f ms of CPU\n", saved.get<double>());
     for (const auto& [name, percent] : values["threads_percent"].items()) {
       if (percent.get<double>() >= 0.05) std::printf("  %6.1f %%  %s\n", percent.get<double>(), name.c_str());
     }

@@ -28,7 +28,7 @@ constexpr CameraOption options_known[] = {
     {"trigger", "off (default), software, or camera: as the camera is set, for triggers by wire"},
     {"packet_size", "bytes of a GigE packet, or auto (default): the largest that arrives"},
     {"silence", "s without a picture after which the camera counts as gone, three frame periods by default"},
-    {"buffers", "pictures kept for the driver, 16 by default"},
+    {"buffers", "pictures kept for the driver where the daemon is late, at most; 16 by default"},
     {"resend", "ask for lost packets again, true by default"},
     {"ptp", "true: the camera's clock follows the network's PTP master"},
     {"user_set", "settings stored in the camera, loaded first: Default, UserSet1, ..."},

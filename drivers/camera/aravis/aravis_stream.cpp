@@ -3,6 +3,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 
@@ -18,6 +19,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int wanted_receive_buffer = 10 << 20;  // bytes: some pictures, for while nobody reads
 constexpr guint ethernet_packet = 1500;
+// Aravis goes round all buffers, so that each takes its room in memory: as many as bridge 200 ms at 30 Hz,
+// and more only where the reader turns out to be later than that.
+constexpr int first_buffers = 6;
 
 /// Negotiates or sets, and says what is to be mended.
 Result<std::string> settle_packet_size(ArvGvDevice* device, int wanted) {
@@ -103,9 +107,9 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(ArvDevice* device, cons
                  "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
                  wanted_receive_buffer, nullptr);
   }
-  for (int i = 0; i < options.buffers; ++i) {
-    arv_stream_push_buffer(out->stream_.get(), arv_buffer_new(static_cast<std::size_t>(*payload), nullptr));
-  }
+  out->picture_bytes_ = static_cast<std::size_t>(*payload);
+  out->most_buffers_ = options.buffers;
+  while (out->buffers_ < std::min(first_buffers, options.buffers)) out->add_buffer();
   const auto lost = [](ArvDevice*, gpointer signal) {
     static_cast<Signal*>(signal)->control_lost = true;
     static_cast<Signal*>(signal)->raise();
@@ -117,8 +121,17 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(ArvDevice* device, cons
   return out;
 }
 
+void AravisStream::add_buffer() {
+  arv_stream_push_buffer(stream_.get(), arv_buffer_new(picture_bytes_, nullptr));
+  ++buffers_;
+}
+
 AravisStream::Buffer AravisStream::pop() {
   signal_->clear();
+  gint empty = 0, filled = 0;
+  arv_stream_get_n_buffers(stream_.get(), &empty, &filled);
+  // We were late: the next picture shall find room even if we are again.
+  if (empty == 0 && buffers_ < most_buffers_) add_buffer();
   return {arv_stream_try_pop_buffer(stream_.get()), Requeue{stream_.get()}};
 }
 

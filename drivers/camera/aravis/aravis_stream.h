@@ -13,7 +13,7 @@ namespace ca2 {
 
 struct StreamOptions {
   int packet_size = 0;  ///< bytes; 0: the largest that arrives
-  int buffers = 16;
+  int buffers = 16;     ///< at most
   bool resend = true;
 };
 
@@ -52,11 +52,14 @@ class AravisStream {
   /// What Aravis's own threads touch.
   struct Signal;
   AravisStream();
+  void add_buffer();
 
   std::unique_ptr<Signal> signal_;
   ArvDevice* device_ = nullptr;
   gulong control_lost_handler_ = 0;
   GObjectPtr<ArvStream> stream_;
+  std::size_t picture_bytes_ = 0;
+  int buffers_ = 0, most_buffers_ = 0;
   std::vector<std::string> warnings_;
 };
 

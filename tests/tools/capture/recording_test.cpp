@@ -160,6 +160,43 @@ TEST_F(Recordings, ReplayIsExactWhateverTheThreads) {
   EXPECT_EQ(one, three);
 }
 
+/// What was searched before it was written, against what the files show.
+TEST_F(Recordings, StoredViewsAreWhatTheirFilesShow) {
+  const Session session = replayed("stored", 2);
+  ASSERT_FALSE(session.views.empty());
+  for (const SessionView& view : session.views) {
+    ExtractOptions options;
+    options.views = {view.id};
+    const auto searched = extract_features(session, options);
+    ASSERT_TRUE(searched) << searched.error().text();
+    EXPECT_EQ(searched->cached, 2);  // the key is right, too
+    options.cache = false;
+    const auto read = extract_features(session, options);
+    ASSERT_TRUE(read) << read.error().text();
+    EXPECT_EQ(read->cached, 0);
+    const ViewSights &a = searched->views.at(0), &b = read->views.at(0);
+    ASSERT_TRUE(a.cameras[0] && b.cameras[0]);
+    ASSERT_EQ(a.cameras[0]->corners.size(), b.cameras[0]->corners.size());
+    for (std::size_t i = 0; i < b.cameras[0]->corners.size(); ++i)
+      EXPECT_EQ(a.cameras[0]->corners[i].pixel, b.cameras[0]->corners[i].pixel);
+    ASSERT_EQ(a.lidars[0].size(), b.lidars[0].size());
+    for (std::size_t i = 0; i < b.lidars[0].size(); ++i) {
+      const LidarSight &one = a.lidars[0][i], &other = b.lidars[0][i];
+      EXPECT_EQ(one.plane.offset, other.plane.offset);
+      EXPECT_EQ(one.around.size(), other.around.size());
+      EXPECT_EQ(one.crossings.size(), other.crossings.size());
+      ASSERT_EQ(one.on_board.size(), other.on_board.size());
+      for (std::size_t k = 0; k < other.on_board.size(); ++k)
+        EXPECT_EQ(one.on_board[k].point, other.on_board[k].point);
+    }
+  }
+  // A copy has other times of change: then the contents decide.
+  fs::copy(path("stored"), path("copied"), fs::copy_options::recursive);
+  const auto copied = extract_features(open_session(path("copied")).value(), {});
+  ASSERT_TRUE(copied);
+  EXPECT_EQ(copied->searched, 0);
+}
+
 TEST_F(Recordings, AnotherReplayAddsNothingNew) {
   replayed("twice", 2);
   EXPECT_EQ(replayed("twice", 2).views.size(), 5u);

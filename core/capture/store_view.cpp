@@ -1,0 +1,52 @@
+#include "core/capture/store_view.h"
+
+#include "core/capture/view_builder.h"
+#include "core/features/search.h"
+#include "core/session/view_writer.h"
+
+namespace ca2 {
+namespace {
+
+const Pick* pick_of(const StoreView& view, const std::string& lidar) {
+  const auto pick = view.picks.find(lidar);
+  return pick == view.picks.end() ? nullptr : &pick->second;
+}
+
+}  // namespace
+
+Result<ViewSights> store_view(Session& session, const StoreView& view) {
+  Result<ViewWriter> writer = ViewWriter::begin(session.directory, view.id, view.details);
+  if (!writer) return fail(writer.error());
+  std::vector<SensorFile> files;
+  const auto begin_file = [&](const std::string& sensor, bool is_image,
+                              const Result<std::uint64_t>& content) -> SensorFile& {
+    SensorFile& file = files.emplace_back();
+    file.view = session.views.size();
+    file.sensor = sensor;
+    file.is_image = is_image;
+    file.content = *content;
+    return file;
+  };
+  for (const auto& [name, image] : view.images) {
+    const auto content = writer->add(name, image);
+    if (!content) return fail(content.error());
+    search_image(begin_file(name, true, content), session.rig.board, image);
+  }
+  for (const auto& [name, scans] : view.scans) {
+    const Scan scan = gathered_scan(scans);
+    const auto content = writer->add(name, scan);
+    if (!content) return fail(content.error());
+    SensorFile& file = begin_file(name, false, content);
+    file.pick = pick_of(view, name);
+    search_cloud(file, session.rig.board, scan);
+  }
+  Result<SessionView> written = writer->finish();
+  if (!written) return fail(written.error());
+  for (SensorFile& file : files)
+    file.path = (file.is_image ? written->images : written->clouds).at(file.sensor);
+  session.views.push_back(std::move(*written));
+  keep_found(session, files);
+  return view_sights(session, std::move(files));
+}
+
+}  // namespace ca2
