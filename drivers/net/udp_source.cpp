@@ -5,11 +5,22 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 #include "drivers/net/stop_event.h"
 #include "drivers/net/udp_receiver.h"
 
 namespace ca2 {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::microseconds;
+
+/// Being woken costs more than a datagram: where they come closer than this, they are left to gather for a
+/// while. The kernel stamps them as they arrive, and its smallest receive buffer holds them.
+constexpr microseconds dense{200}, gathering{500};
+
+}  // namespace
 
 struct UdpSource::State {
   std::vector<UdpSocket> sockets;
@@ -19,6 +30,15 @@ struct UdpSource::State {
   std::vector<pollfd> polled;
   std::vector<Datagram> datagrams;
   PacketCounters counters;
+  Clock::time_point woken;       ///< the last time
+  std::int64_t since_woken = 0;  ///< datagrams received
+
+  /// After poll.
+  void gather() {
+    if (Clock::now() - woken < since_woken * dense) std::this_thread::sleep_for(gathering);
+    woken = Clock::now();
+    since_woken = 0;
+  }
 
   /// Everything at hand on all sockets, in the order of time.
   Result<void> receive() {
@@ -33,6 +53,7 @@ struct UdpSource::State {
       }
       sorted = sorted && (before == 0 || before == datagrams.size());
     }
+    since_woken += static_cast<std::int64_t>(datagrams.size());
     if (!sorted) {
       std::stable_sort(datagrams.begin(), datagrams.end(),
                        [](const Datagram& a, const Datagram& b) { return a.time < b.time; });
@@ -64,7 +85,6 @@ Result<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& optio
 }
 
 Result<PacketBatch> UdpSource::next_batch(std::chrono::milliseconds timeout) {
-  using Clock = std::chrono::steady_clock;
   State& state = *state_;
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
@@ -77,6 +97,7 @@ Result<PacketBatch> UdpSource::next_batch(std::chrono::milliseconds timeout) {
     if (::poll(state.polled.data(), state.polled.size(), wait) < 0 && errno != EINTR) {
       return fail(ErrorCode::io, "poll", std::strerror(errno));
     }
+    state.gather();
   }
 }
 

@@ -52,6 +52,8 @@ CommandBody setup_bench(CLI::App& app) {
   app.add_option("--repeats", options->bench.repeats,
                  "How often each measurement is made (the median counts)")
       ->check(CLI::Range(1, 1000));
+  app.add_option("--seconds", options->bench.seconds, "ingest: how long each load at a steady rate lasts")
+      ->check(CLI::Range(0.1, 3600.0));
   app.add_option("--seed", options->bench.seed, "accuracy: the seed of everything that is drawn");
   app.add_option("--trials", options->bench.trials, "accuracy: trials per cell (12, with --full 100)")
       ->check(CLI::Range(1, 100000));

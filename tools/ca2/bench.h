@@ -12,7 +12,8 @@ namespace ca2 {
 struct BenchOptions {
   std::filesystem::path data;  ///< directory with other people's recordings; empty: only what is generated
   bool json = false;
-  int repeats = 9;  ///< of every measurement, interleaved with its peer's
+  int repeats = 9;     ///< of every measurement, interleaved with its peer's
+  double seconds = 3;  ///< ingest: of each load at a steady rate
   // Of accuracy benchmarks:
   std::uint64_t seed = 1;
   int trials = 0;              ///< per cell; 0: as many as quick or full asks for
