@@ -12,11 +12,11 @@ std::vector<PlaneSample> samples_of(const std::vector<PatchRay>& rays) {
   for (const PatchRay& ray : rays) {
     // A ray through the board is worth as much as a return on it; a missing
     // return is weaker (black print), and something before the plane may hide
-    // either.
-    const float weight = ray.end == RayEnd::on       ? 1.0f
-                         : ray.end == RayEnd::behind ? -1.0f
-                         : ray.end == RayEnd::absent ? -0.3f
-                                                     : -0.05f;
+    // either. In twentieths.
+    const int weight = ray.end == RayEnd::on       ? 20
+                       : ray.end == RayEnd::behind ? -20
+                       : ray.end == RayEnd::absent ? -6
+                                                   : -1;
     samples.push_back({ray.u, ray.v, weight});
   }
   return samples;
@@ -37,7 +37,7 @@ Eigen::Vector3d centre_of(const Placed& placed) {
 }
 
 Pose pose_of(const Placed& placed, const Plane& plane) {
-  const double c = std::cos(placed.rectangle.angle), s = std::sin(placed.rectangle.angle);
+  const double c = placed.rectangle.cosine, s = placed.rectangle.sine;
   const Eigen::Vector3d z = -plane.normal, centre = centre_of(placed);
   Eigen::Vector3d x = c * placed.frame.e_u + s * placed.frame.e_v;
   x = (x - x.dot(z) * z).normalized();

@@ -50,10 +50,11 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
   for (int row = low; row <= high; row += row_step) {
     const float slope = image.slope[static_cast<std::size_t>(row)],
                 height = image.height[static_cast<std::size_t>(row)];
-    for (int k = -half; k <= half; k += column_step) {
-      const int column = image.wrap((middle + k + image.columns) % image.columns);
+    const std::size_t first = image.index(row, 0);
+    int column = (middle - half + image.columns) % image.columns;
+    for (int k = -half; k <= half; k += column_step, column = image.wrap(column + column_step)) {
       if (!image.in_view[static_cast<std::size_t>(column)]) continue;
-      const std::size_t i = image.index(row, column);
+      const std::size_t i = first + static_cast<std::size_t>(column);
       const bool absent = image.range[i] == 0;
       // Some point of the ray's cone, at the column's azimuth where nothing
       // came back.
@@ -65,13 +66,17 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
       if (scale <= 0) continue;
       const Eigen::Vector3f meets =
           Eigen::Vector3f(scale * p.x(), scale * p.y(), height + scale * across * slope) - origin;
-      PatchRay ray{e_u.dot(meets), e_v.dot(meets), 0, RayEnd::absent, static_cast<std::uint32_t>(i)};
-      if (ray.u * ray.u + ray.v * ray.v > limit * limit) continue;
-      if (!absent) {
-        ray.distance = n.dot(p) + d;
-        ray.end = ray.distance > band ? RayEnd::front : ray.distance < -band ? RayEnd::behind : RayEnd::on;
-      }
-      rays.push_back(ray);
+      const float u = e_u.dot(meets), v = e_v.dot(meets);
+      if (u * u + v * v > limit * limit) continue;
+      // Written where it stays: a copy would wait for its parts.
+      PatchRay& ray = rays.emplace_back();
+      ray.u = u;
+      ray.v = v;
+      ray.end = RayEnd::absent;
+      ray.cell = static_cast<std::uint32_t>(i);
+      if (absent) continue;
+      ray.distance = n.dot(p) + d;
+      ray.end = ray.distance > band ? RayEnd::front : ray.distance < -band ? RayEnd::behind : RayEnd::on;
     }
   }
   return rays;

@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 #include <vector>
+
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
@@ -16,63 +21,92 @@ class SlidingWindow {
   SlidingWindow(float width, float reach, int bins_per_width)
       : bin_(width / static_cast<float>(bins_per_width)),
         bins_per_m_(1 / bin_),
-        window_(bins_per_width),
+        window_(static_cast<std::size_t>(bins_per_width)),
         reach_(1.0001f * std::max(reach, width)),
-        bins_(static_cast<std::size_t>(2 * reach_ * bins_per_m_) + 2) {}
+        bins_(static_cast<std::size_t>(2 * reach_ * bins_per_m_) + 2),
+        sums_(bins_.size() - window_ + 1) {}
 
-  void clear() { std::fill(bins_.begin(), bins_.end(), 0.0f); }
-  /// Only of places within the reach.
-  int bin(float place) const { return static_cast<int>((place + reach_) * bins_per_m_); }
-  void add(int bin, float weight) { bins_[static_cast<std::size_t>(bin)] += weight; }
+  /// The bin of a place within the reach is (place + reach) * bins_per_m.
+  float reach() const { return reach_; }
+  float bins_per_m() const { return bins_per_m_; }
+
+  /// Weights, and the bins they are in.
+  void fill(const std::vector<std::int32_t>& bins, const std::vector<std::int32_t>& weights) {
+    std::fill(bins_.begin(), bins_.end(), 0);
+    std::int32_t* const sums = bins_.data();
+    for (std::size_t i = 0; i < bins.size(); ++i) sums[bins[i]] += weights[i];
+  }
   /// Centre of the best window, the middle of the stretch of equally good ones;
   /// its weight.
-  std::pair<float, float> best() const {
-    const int last = static_cast<int>(bins_.size()) - window_;
-    float sum = 0;
-    for (int i = 0; i < window_; ++i) sum += bins_[static_cast<std::size_t>(i)];
-    float top = sum;
-    int from = 0, to = 0;
-    for (int i = 1; i <= last; ++i) {
-      sum += bins_[static_cast<std::size_t>(i + window_ - 1)] - bins_[static_cast<std::size_t>(i - 1)];
-      if (sum > top + 1e-3f)
-        top = sum, from = to = i;
-      else if (sum > top - 1e-3f && to == i - 1)
-        to = i;
+  std::pair<float, std::int32_t> best() {
+    std::int32_t sum =
+        std::accumulate(bins_.begin(), bins_.begin() + static_cast<std::ptrdiff_t>(window_), 0);
+    std::int32_t top = sums_[0] = sum;
+    for (std::size_t i = 1; i < sums_.size(); ++i) {
+      sum += bins_[i + window_ - 1] - bins_[i - 1];
+      sums_[i] = sum;
+      top = std::max(top, sum);
     }
-    return {(static_cast<float>(from + to) / 2 + static_cast<float>(window_) / 2) * bin_ - reach_, top};
+    const auto from = std::find(sums_.begin(), sums_.end(), top);
+    const auto beyond = std::find_if(from, sums_.end(), [&](std::int32_t other) { return other != top; });
+    const auto middles = static_cast<float>((from - sums_.begin()) + (beyond - 1 - sums_.begin()));
+    return {(middles / 2 + static_cast<float>(window_) / 2) * bin_ - reach_, top};
   }
 
  private:
   float bin_, bins_per_m_;
-  int window_;
+  std::size_t window_;
   float reach_;
-  std::vector<float> bins_;
+  std::vector<std::int32_t> bins_, sums_;  ///< sums_: of the windows that begin at each bin
 };
+
+/// x = c u + s v and its bin.
+struct Axis {
+  float c, s, reach, bins_per_m;
+};
+CA2_HOT_LOOP void turn_samples(const Axis& axis, std::size_t size, const float* __restrict u,
+                               const float* __restrict v, float* __restrict x, std::int32_t* __restrict bin) {
+  const Axis a = axis;
+  for (std::size_t i = 0; i < size; ++i) {
+    x[i] = a.c * u[i] + a.s * v[i];
+    bin[i] = static_cast<std::int32_t>((x[i] + a.reach) * a.bins_per_m);
+  }
+}
+
+/// The weights of those within half a side of the centre, 0 for the others: which they are is nothing that a
+/// processor could guess.
+CA2_HOT_LOOP void weigh_within(float centre, float half, std::size_t size, const float* __restrict place,
+                               const std::int32_t* __restrict weight, std::int32_t* __restrict out) {
+  for (std::size_t i = 0; i < size; ++i) out[i] = std::abs(place[i] - centre) < half ? weight[i] : 0;
+}
 
 class Search {
  public:
   Search(std::span<const PlaneSample> samples, double width, double height, int bins)
-      : samples_(samples), width_(static_cast<float>(width)), height_(static_cast<float>(height)) {
-    for (const PlaneSample& s : samples) reach_ = std::max(reach_, std::hypot(s.u, s.v));
-    along_ = SlidingWindow(width_, reach_, bins);
-    across_ = SlidingWindow(height_, reach_, bins);
-    x_.resize(samples.size());
-    y_.resize(samples.size());
-    x_bin_.resize(samples.size());
-    y_bin_.resize(samples.size());
+      : width_(static_cast<float>(width)), height_(static_cast<float>(height)) {
+    float reach = 0;
+    for (const PlaneSample& s : samples) {
+      reach = std::max(reach, std::hypot(s.u, s.v));
+      u_.push_back(s.u);
+      v_.push_back(s.v);
+      weight_.push_back(s.weight);
+    }
+    along_ = SlidingWindow(width_, reach, bins);
+    across_ = SlidingWindow(height_, reach, bins);
+    for (std::vector<float>* list : {&x_, &y_}) list->resize(samples.size());
+    for (std::vector<std::int32_t>* list : {&x_bin_, &y_bin_, &within_}) list->resize(samples.size());
   }
 
   /// Best centre at one angle: windows along both sides in turn, each over what
   /// lies in the other.
   PlaneRectangle at(double angle, double u, double v) {
     const auto c = static_cast<float>(std::cos(angle)), s = static_cast<float>(std::sin(angle));
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      x_[i] = c * samples_[i].u + s * samples_[i].v;
-      y_[i] = c * samples_[i].v - s * samples_[i].u;
-      x_bin_[i] = along_.bin(x_[i]);
-      y_bin_[i] = across_.bin(y_[i]);
-    }
-    float x = static_cast<float>(c * u + s * v), y = static_cast<float>(c * v - s * u), weight = 0;
+    turn_samples({c, s, along_.reach(), along_.bins_per_m()}, u_.size(), u_.data(), v_.data(), x_.data(),
+                 x_bin_.data());
+    turn_samples({c, -s, across_.reach(), across_.bins_per_m()}, u_.size(), v_.data(), u_.data(), y_.data(),
+                 y_bin_.data());
+    float x = static_cast<float>(c * u + s * v), y = static_cast<float>(c * v - s * u);
+    std::int32_t weight = 0;
     for (int round = 0; round < 3; ++round) {
       const float last_x = x, last_y = y;
       x = slide(along_, x_bin_, y_, y, height_).first;
@@ -81,35 +115,40 @@ class Search {
       std::tie(y, weight) = slide(across_, y_bin_, x_, x, width_);
       if (y == last_y) break;
     }
-    return {c * x - s * y, s * x + c * y, angle, weight};
+    PlaneRectangle out{c * x - s * y, s * x + c * y};
+    out.turn(angle);
+    out.weight = weight;
+    return out;
   }
 
  private:
-  std::pair<float, float> slide(SlidingWindow& window, const std::vector<int>& bins,
-                                const std::vector<float>& other, float centre, float side) const {
-    window.clear();
-    // Without a branch: which samples lie within is nothing that a processor
-    // could guess.
-    const float half = side / 2;
-    for (std::size_t i = 0; i < bins.size(); ++i) {
-      window.add(bins[i], std::abs(other[i] - centre) < half ? samples_[i].weight : 0.0f);
-    }
+  std::pair<float, std::int32_t> slide(SlidingWindow& window, const std::vector<std::int32_t>& bins,
+                                       const std::vector<float>& other, float centre, float side) {
+    weigh_within(centre, side / 2, other.size(), other.data(), weight_.data(), within_.data());
+    window.fill(bins, within_);
     return window.best();
   }
 
-  std::span<const PlaneSample> samples_;
-  float width_, height_, reach_ = 0;
+  float width_, height_;
   SlidingWindow along_{1, 1, 2}, across_{1, 1, 2};
+  std::vector<float> u_, v_;
+  std::vector<std::int32_t> weight_;
+  // At the angle that is looked at.
   std::vector<float> x_, y_;
-  std::vector<int> x_bin_, y_bin_;
+  std::vector<std::int32_t> x_bin_, y_bin_, within_;
 };
 
 }  // namespace
 
 void PlaneRectangle::local(double pu, double pv, double& x, double& y) const {
-  const double c = std::cos(angle), s = std::sin(angle);
-  x = c * (pu - u) + s * (pv - v);
-  y = c * (pv - v) - s * (pu - u);
+  x = cosine * (pu - u) + sine * (pv - v);
+  y = cosine * (pv - v) - sine * (pu - u);
+}
+
+void PlaneRectangle::turn(double to) {
+  angle = to;
+  cosine = std::cos(to);
+  sine = std::sin(to);
 }
 
 namespace {
@@ -133,7 +172,7 @@ PlaneRectangle refined(Search& search, PlaneRectangle best, double step) {
       if (r.weight > best.weight) best = r;
     }
   }
-  best.angle = std::fmod(best.angle + std::numbers::pi, std::numbers::pi);
+  best.turn(std::fmod(best.angle + std::numbers::pi, std::numbers::pi));
   return best;
 }
 
@@ -151,7 +190,7 @@ PlaneRectangle fit_rectangle(std::span<const PlaneSample> samples, double width,
   const std::vector<PlaneSample> few = thinned(samples, kCoarse), many = thinned(samples, kFine);
   Search coarse(few, width, height, 32), fine(many, width, height, 64);
   PlaneRectangle best;
-  best.weight = -1e30;
+  best.weight = std::numeric_limits<std::int32_t>::min();
   for (int i = 0; i < 12; ++i) {
     const PlaneRectangle r = coarse.at(i * kStep, u, v);
     if (r.weight > best.weight) best = r;

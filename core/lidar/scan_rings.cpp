@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/lidar/scan_grid.h"
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
@@ -9,11 +10,16 @@ constexpr int kMaxRings = 1024;  // more is a damaged file: no sensor has them
 constexpr float kBin = 0.0005f;  // rad, a quarter of the closest beams sold (0.1 deg)
 constexpr int kWidestRing = 5;   // bins
 
+CA2_HOT_LOOP int highest_of(const std::uint16_t* __restrict ring, std::size_t size) {
+  std::uint16_t highest = 0;
+  for (std::size_t i = 0; i < size; ++i) highest = ring[i] > highest ? ring[i] : highest;
+  return size == 0 ? -1 : highest;
+}
+
 RingIds given_rings(const Scan& scan) {
   RingIds ids;
   if (scan.ring.size() != scan.size()) return ids;
-  int highest = -1;
-  for (const std::uint16_t ring : scan.ring) highest = std::max(highest, static_cast<int>(ring));
+  const int highest = highest_of(scan.ring.data(), scan.ring.size());
   if (highest >= kMaxRings) return ids;
   ids.rings = std::max(highest + 1, std::min(scan.rings, kMaxRings));
   ids.beams = true;

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "drivers/camera/pixel_formats/hot_loop.h"
+#include "core/types/hot_loop.h"
 #include "drivers/camera/pixel_formats/luminance.h"
 
 namespace ca2 {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "drivers/camera/pixel_formats/hot_loop.h"
+#include "core/types/hot_loop.h"
 #include "drivers/camera/pixel_formats/luminance.h"
 
 namespace ca2 {

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-#include "drivers/camera/pixel_formats/hot_loop.h"
+#include "core/types/hot_loop.h"
 
 static_assert(std::endian::native == std::endian::little, "samples are read as the processor's own words");
 
