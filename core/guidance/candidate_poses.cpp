@@ -9,9 +9,10 @@ namespace {
 
 constexpr double tilt = 35 * M_PI / 180;
 constexpr int tilts = 8;
+constexpr double rim = 0.05;  // of the picture's width: nobody holds a board just where he is told to
 constexpr double smallest_square = 12;  // px
 constexpr double farthest_by_hand = 6;  // m
-constexpr int distances = 4;
+constexpr int distances = 7;
 constexpr int columns = 5, rows = 3;
 
 /// The camera's x right and y down stay the board's, as near as facing along `bearing` allows.
@@ -22,7 +23,7 @@ Eigen::Matrix3d facing(const Eigen::Vector3d& bearing) {
 bool whole(const Board& board, const Camera& camera, const Pose& T_camera_board) {
   for (const Eigen::Vector2d& p : board.type->corners(board)) {
     const auto pixel = camera.project(T_camera_board * Eigen::Vector3d(p.x(), p.y(), 0));
-    if (!pixel || !camera.contains(*pixel, 8)) return false;
+    if (!pixel || !camera.contains(*pixel, rim * camera.width)) return false;
   }
   return true;
 }

@@ -11,6 +11,30 @@
 namespace ca2 {
 namespace {
 
+constexpr double usual_distance = 3.5;  // of the board's width: an A3 board at 1.5 m
+
+constexpr double vague_bias = 0.02;  // m
+
+/// A LiDAR of few rings that looks where the camera looks, and sits there: about right for most rigs.
+SightModel assumed_model(const Board& board, const Camera& camera) {
+  SightModel model;
+  model.board = board;
+  model.camera = camera;
+  model.T_camera_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  model.T_camera_lidar.t.setZero();
+  model.returns_per_steradian = 5000;
+  model.lowest = -15 * M_PI / 180;
+  model.highest = 15 * M_PI / 180;
+  return model;
+}
+
+/// Enough that the sums are finite: half a radian, a metre.
+Eigen::Matrix<double, 6, 6> vague_place() {
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Identity();
+  information.topLeftCorner<3, 3>() *= 4;
+  return information;
+}
+
 int rounded_degrees(double angle) {
   return 5 * static_cast<int>(std::lround(angle * 180 / M_PI / 5));
 }
@@ -61,9 +85,9 @@ std::optional<NextPose> suggest_next_pose(const Rig& rig, const Calibration& cal
   after.cost = std::numeric_limits<double>::infinity();
   const std::vector<Pose> candidates = candidate_poses(rig.board, pair->model.camera);
   for (const Pose& pose : candidates) {
-    // LiDARs are blind close by; how close, only the views tell.
-    const Eigen::Vector3d center = pair->transform.T_parent_child.inverse() * pose.t;
-    if (center.norm() < 0.7 * pair->nearest) continue;
+    // LiDARs are blind close by, and far away too few returns meet the board; where, only the views tell.
+    const double distance = (pair->transform.T_parent_child.inverse() * pose.t).norm();
+    if (distance < 0.7 * pair->nearest || distance > 1.4 * pair->farthest) continue;
     const ExpectedSigma here = expected_sigma(known + view_information(pair->model, pose), target);
     if (here.cost < after.cost) best = &pose, after = here;
   }
@@ -82,22 +106,21 @@ std::optional<NextPose> suggest_first_pose(const Rig& rig, const std::vector<Vie
   for (const auto& [name, camera] : rig.cameras) {
     if (!camera.intrinsics) continue;
     const auto c = static_cast<std::size_t>(std::distance(rig.cameras.begin(), rig.cameras.find(name)));
+    const SightModel model = assumed_model(rig.board, *camera.intrinsics);
+    PairInformation known = bias_prior(vague_bias);
+    known.topLeftCorner<6, 6>() += vague_place();
+    for (const ViewSights& view : views) {
+      if (view.cameras[c]) known += view_information(model, view.cameras[c]->pose.T_camera_board);
+    }
+    const double usual = usual_distance * std::max(rig.board.extent().width, rig.board.extent().height);
     const Pose* best = nullptr;
-    double widest = -1;
+    double least = std::numeric_limits<double>::infinity();
     const std::vector<Pose> candidates = candidate_poses(rig.board, *camera.intrinsics);
     for (const Pose& pose : candidates) {
-      double nearest = M_PI;  // angle to the views' normals; facing the camera straight counts as one of them
-      const auto compare = [&](const Eigen::Vector3d& normal) {
-        nearest = std::min(nearest, std::acos(std::clamp(normal.dot(pose.R.col(2)), -1.0, 1.0)));
-      };
-      compare(Eigen::Vector3d::UnitZ());
-      for (const ViewSights& view : views) {
-        if (view.cameras[c]) compare(view.cameras[c]->pose.T_camera_board.R.col(2));
-      }
-      // In the middle and near, rather than at the rim where another sensor may see nothing.
-      const double here =
-          nearest - 0.2 * std::acos(std::clamp(pose.t.normalized().z(), -1.0, 1.0)) - 0.01 * pose.t.norm();
-      if (here > widest) best = &pose, widest = here;
+      // Near by, a LiDAR is blind or looks past; far away few of its rings meet the board.
+      if (std::abs(std::log(pose.t.norm() / usual)) > 0.5) continue;
+      const double cost = expected_sigma(known + view_information(model, pose), {}).cost;
+      if (cost < least) best = &pose, least = cost;
     }
     if (best == nullptr) continue;
     return NextPose{pose_in_words(*best), name, *best, std::numeric_limits<double>::infinity(),

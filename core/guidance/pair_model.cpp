@@ -109,6 +109,7 @@ std::optional<PairModel> worst_pair_model(const Rig& rig, const Calibration& cal
   for (const Seen& view : seen) {
     const Eigen::Vector3d center = transform->T_parent_child.inverse() * view.T_camera_board.t;
     pair.nearest = std::min(pair.nearest, center.norm());
+    pair.farthest = std::max(pair.farthest, center.norm());
     pair.ids.push_back(view.id);
     pair.information.push_back(view_information(model, view.T_camera_board));
   }

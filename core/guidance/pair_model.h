@@ -22,7 +22,7 @@ struct PairModel {
   std::vector<int> ids;                      ///< of the views in use that both sensors have
   std::vector<PairInformation> information;  ///< of each of them
   PairInformation prior;                     ///< what is known without any view
-  double nearest = 0;                        ///< m, of the board from the LiDAR in these views
+  double nearest = 0, farthest = 0;          ///< m, of the board from the LiDAR in these views
 };
 
 /// The camera-LiDAR pair whose sigmas are worst against the target, with its noise and density of returns as
