@@ -21,6 +21,7 @@ packages=(
   jq
   umockdev
   libumockdev-dev
+  valgrind
   # printed boards drawn by programs of others
   librsvg2-bin
   # packages
