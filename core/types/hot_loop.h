@@ -1,4 +1,5 @@
-/// @file Marks loops over pixels and points: compiled for newer processors too, and chosen when the program starts.
+/// @file Marks loops over pixels and points: compiled for newer processors too, and chosen when the program
+/// starts.
 #pragma once
 
 // Sanitizers instrument the choosing, which runs before they are set up.

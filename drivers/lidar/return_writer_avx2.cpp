@@ -56,39 +56,39 @@ __attribute__((target("avx2,popcnt"))) std::size_t write_eights(const FiredBeams
                                                                 const FiredNames& names,
                                                                 const ReturnTargets& out) {
   // In variables of their own, which what is written cannot change.
-  const auto [counts, intensities, rings, delays, column_number, fired, beam_count, first_beam] = names;
-  const auto [points_out, range_out, intensity_out, ring_out, column_out, time_out] = out;
-  const __m256i zero = _mm256_setzero_si256(), time = _mm256_set1_epi64x(fired);
-  const __m256i column = _mm256_set1_epi32(static_cast<int>(column_number));
+  const FiredNames in = names;
+  const ReturnTargets to = out;
+  const __m256i zero = _mm256_setzero_si256(), time = _mm256_set1_epi64x(in.time);
+  const __m256i column = _mm256_set1_epi32(static_cast<int>(in.column));
   std::size_t n = 0;
   const auto eight = [&](int i, unsigned wanted) __attribute__((target("avx2,popcnt"), always_inline)) {
-    const __m256i missing = _mm256_cmpeq_epi32(load256(counts + i), zero);
+    const __m256i missing = _mm256_cmpeq_epi32(load256(in.counts + i), zero);
     const unsigned kept = ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(missing))) & wanted;
     const __m256i order = bytes_at(orders[kept].data());
     const auto packed = [&](const float* from) __attribute__((target("avx2"))) {
-      return _mm256_permutevar8x32_ps(_mm256_load_ps(from + first_beam + i), order);
+      return _mm256_permutevar8x32_ps(_mm256_load_ps(from + in.first + i), order);
     };
-    store_points(points_out + 3 * n, packed(beams.x), packed(beams.y), packed(beams.z));
-    _mm256_storeu_ps(range_out + n, packed(beams.range));
-    const __m256i intensity = _mm256_permutevar8x32_epi32(bytes_at(intensities + i), order);
-    _mm256_storeu_ps(intensity_out + n, _mm256_cvtepi32_ps(intensity));
-    const __m256i ring = _mm256_permutevar8x32_epi32(_mm256_cvtepu16_epi32(load128(rings + i)), order);
+    store_points(to.points + 3 * n, packed(beams.x), packed(beams.y), packed(beams.z));
+    _mm256_storeu_ps(to.range + n, packed(beams.range));
+    const __m256i intensity = _mm256_permutevar8x32_epi32(bytes_at(in.intensity + i), order);
+    _mm256_storeu_ps(to.intensity + n, _mm256_cvtepi32_ps(intensity));
+    const __m256i ring = _mm256_permutevar8x32_epi32(_mm256_cvtepu16_epi32(load128(in.ring + i)), order);
     const __m256i narrow = _mm256_permute4x64_epi64(_mm256_packus_epi32(ring, zero), 0b1000);
-    _mm_storeu_si128(static_cast<__m128i*>(static_cast<void*>(ring_out + n)), _mm256_castsi256_si128(narrow));
-    store256(column_out + n, column);
+    _mm_storeu_si128(static_cast<__m128i*>(static_cast<void*>(to.ring + n)), _mm256_castsi256_si128(narrow));
+    store256(to.column + n, column);
     __m256i first = time, last = time;
     if constexpr (delayed) {
-      const __m256i delay = _mm256_permutevar8x32_epi32(load256(delays + i), order);
+      const __m256i delay = _mm256_permutevar8x32_epi32(load256(in.delay + i), order);
       first = _mm256_add_epi64(time, _mm256_cvtepu32_epi64(_mm256_castsi256_si128(delay)));
       last = _mm256_add_epi64(time, _mm256_cvtepu32_epi64(_mm256_extracti128_si256(delay, 1)));
     }
-    store256(time_out + n, first);
-    store256(time_out + n + 4, last);
+    store256(to.time + n, first);
+    store256(to.time + n + 4, last);
     n += static_cast<std::size_t>(_mm_popcnt_u32(kept));
   };
   int i = 0;
-  for (; i + 8 <= beam_count; i += 8) eight(i, 0xff);
-  if (i < beam_count) eight(i, (1u << (beam_count - i)) - 1);
+  for (; i + 8 <= in.beams; i += 8) eight(i, 0xff);
+  if (i < in.beams) eight(i, (1u << (in.beams - i)) - 1);
   return n;
 }
 

@@ -44,39 +44,39 @@ template <bool delayed>
 CA2_AVX512 std::size_t write_sixteens(const FiredBeams& beams, const FiredNames& names,
                                       const ReturnTargets& out) {
   // In variables of their own, which what is written cannot change.
-  const auto [counts, intensities, rings, delays, column_number, fired, beam_count, first_beam] = names;
-  const auto [points_out, range_out, intensity_out, ring_out, column_out, time_out] = out;
-  const __m512i time = _mm512_set1_epi64(fired), column = _mm512_set1_epi32(static_cast<int>(column_number));
+  const FiredNames in = names;
+  const ReturnTargets to = out;
+  const __m512i time = _mm512_set1_epi64(in.time), column = _mm512_set1_epi32(static_cast<int>(in.column));
   const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   std::size_t n = 0;
-  for (int i = 0; i < beam_count; i += 16) {
-    const auto here = static_cast<__mmask16>((1u << std::min(beam_count - i, 16)) - 1);
-    const __m512i count = _mm512_maskz_loadu_epi32(here, counts + i);
+  for (int i = 0; i < in.beams; i += 16) {
+    const auto here = static_cast<__mmask16>((1u << std::min(in.beams - i, 16)) - 1);
+    const __m512i count = _mm512_maskz_loadu_epi32(here, in.counts + i);
     const __mmask16 kept = _mm512_test_epi32_mask(count, count);
     const auto returns = static_cast<std::size_t>(_mm_popcnt_u32(kept));
     const __m512i order = _mm512_maskz_compress_epi32(kept, lanes);
     const auto packed = [&](const float* from) CA2_AVX512 {
-      return _mm512_maskz_permutexvar_ps(0xffff, order, _mm512_maskz_loadu_ps(here, from + first_beam + i));
+      return _mm512_maskz_permutexvar_ps(0xffff, order, _mm512_maskz_loadu_ps(here, from + in.first + i));
     };
     const auto ordered = [&](__m512i values)
                              CA2_AVX512 { return _mm512_maskz_permutexvar_epi32(0xffff, order, values); };
-    store_points(points_out + 3 * n, packed(beams.x), packed(beams.y), packed(beams.z));
-    _mm512_storeu_ps(range_out + n, packed(beams.range));
-    const __m512i intensity = _mm512_maskz_cvtepu8_epi32(here, _mm_maskz_loadu_epi8(here, intensities + i));
-    _mm512_storeu_ps(intensity_out + n, _mm512_maskz_cvtepi32_ps(0xffff, ordered(intensity)));
-    const __m512i ring = _mm512_maskz_cvtepu16_epi32(here, _mm256_maskz_loadu_epi16(here, rings + i));
-    _mm256_storeu_epi16(ring_out + n, _mm512_maskz_cvtepi32_epi16(0xffff, ordered(ring)));
-    _mm512_storeu_si512(column_out + n, column);
+    store_points(to.points + 3 * n, packed(beams.x), packed(beams.y), packed(beams.z));
+    _mm512_storeu_ps(to.range + n, packed(beams.range));
+    const __m512i intensity = _mm512_maskz_cvtepu8_epi32(here, _mm_maskz_loadu_epi8(here, in.intensity + i));
+    _mm512_storeu_ps(to.intensity + n, _mm512_maskz_cvtepi32_ps(0xffff, ordered(intensity)));
+    const __m512i ring = _mm512_maskz_cvtepu16_epi32(here, _mm256_maskz_loadu_epi16(here, in.ring + i));
+    _mm256_storeu_epi16(to.ring + n, _mm512_maskz_cvtepi32_epi16(0xffff, ordered(ring)));
+    _mm512_storeu_si512(to.column + n, column);
     __m512i first = time, last = time;
     if constexpr (delayed) {
-      const __m512i delay = ordered(_mm512_maskz_loadu_epi32(here, delays + i));
+      const __m512i delay = ordered(_mm512_maskz_loadu_epi32(here, in.delay + i));
       const __m256i low = _mm512_maskz_extracti64x4_epi64(0xff, delay, 0),
                     high = _mm512_maskz_extracti64x4_epi64(0xff, delay, 1);
       first = _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, low));
       last = _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, high));
     }
-    _mm512_storeu_si512(time_out + n, first);
-    _mm512_storeu_si512(time_out + n + 8, last);
+    _mm512_storeu_si512(to.time + n, first);
+    _mm512_storeu_si512(to.time + n + 8, last);
     n += returns;
   }
   return n;

@@ -61,7 +61,8 @@ class PixelWords {
       return registers[0];
     } else {
       constexpr int here = places<index>(lanes);
-      return _mm256_blend_epi32(blended<index, lanes - 1>(registers), registers[lanes], here);
+      const __m256i others = blended<index, lanes - 1>(registers);
+      return _mm256_blend_epi32(others, registers[lanes], here);
     }
   }
 
