@@ -1,5 +1,7 @@
 #include "core/capture/solve_views.h"
 
+#include <algorithm>
+
 #include "core/intrinsics/estimate_intrinsics.h"
 #include "core/solve/calibrate.h"
 
@@ -35,6 +37,10 @@ Result<Calibration> solve_views(const SolveViews& request, const std::stop_token
   Rig rig = *request.rig;
   CalibrateOptions options;
   options.stop = stop;
+  // A session's sights are a megabyte per view: copied only where poses are to be filled in.
+  const auto known = [](const auto& entry) { return entry.second.intrinsics.has_value(); };
+  if (std::all_of(rig.cameras.begin(), rig.cameras.end(), known))
+    return calibrate(rig, *request.views, options);
   std::vector<ViewSights> views = *request.views;
   std::vector<Problem> refusals;
   std::size_t index = 0;

@@ -69,7 +69,7 @@ struct AravisStream::Signal {
   }
 };
 
-AravisStream::AravisStream() : signal_(std::make_unique<Signal>()) {}
+AravisStream::AravisStream() : signal_(std::make_shared<Signal>()) {}
 
 AravisStream::~AravisStream() {
   if (control_lost_handler_) g_signal_handler_disconnect(device_, control_lost_handler_);
@@ -110,14 +110,19 @@ Result<std::unique_ptr<AravisStream>> AravisStream::open(ArvDevice* device, cons
   out->picture_bytes_ = static_cast<std::size_t>(*payload);
   out->most_buffers_ = options.buffers;
   while (out->buffers_ < std::min(first_buffers, options.buffers)) out->add_buffer();
-  const auto lost = [](ArvDevice*, gpointer signal) {
-    static_cast<Signal*>(signal)->control_lost = true;
-    static_cast<Signal*>(signal)->raise();
+  // The device's heartbeat thread may be in the handler while the stream ends: nobody waits for it, so it
+  // holds what it touches.
+  using Shared = std::shared_ptr<Signal>;
+  const auto lost = [](ArvDevice*, gpointer data) {
+    Signal& signal = **static_cast<Shared*>(data);
+    signal.control_lost = true;
+    signal.raise();
   };
+  const auto forget = [](gpointer data, GClosure*) { delete static_cast<Shared*>(data); };
   out->device_ = device;
-  out->control_lost_handler_ =
-      g_signal_connect(device, "control-lost", G_CALLBACK(+static_cast<void (*)(ArvDevice*, gpointer)>(lost)),
-                       out->signal_.get());
+  out->control_lost_handler_ = g_signal_connect_data(
+      device, "control-lost", G_CALLBACK(+static_cast<void (*)(ArvDevice*, gpointer)>(lost)),
+      new Shared(out->signal_), forget, static_cast<GConnectFlags>(0));
   return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,7 @@ class AravisStream {
   AravisStream();
   void add_buffer();
 
-  std::unique_ptr<Signal> signal_;
+  std::shared_ptr<Signal> signal_;
   ArvDevice* device_ = nullptr;
   gulong control_lost_handler_ = 0;
   GObjectPtr<ArvStream> stream_;
