@@ -41,6 +41,10 @@ struct Board {
   Outline extent() const;
 };
 
+/// The corners' places by id, board frame, m, on a print that came out larger than stated by `stretch`:
+/// printed over stated length along x and y, less 1.
+std::vector<Eigen::Vector2d> printed_corners(const Board& board, const Eigen::Vector2d& stretch);
+
 /// A corner as seen in a picture.
 struct Corner {
   int id = 0;                                                ///< index into BoardType::corners
@@ -88,8 +92,10 @@ struct BoardPose {
 
 /// Board pose from corners (at least 4, not on a line): planar pose in both of its solutions, the better
 /// one after refinement through the true camera model (Levenberg-Marquardt on pixel residuals weighted by
-/// the corners' covariances). Works beyond 90 degrees off the axis too. Fails with ErrorCode::data.
+/// the corners' covariances). Works beyond 90 degrees off the axis too. `stretch`: of the print, see
+/// printed_corners. Fails with ErrorCode::data.
 Result<BoardPose> estimate_board_pose(const Board& board, const Camera& camera,
-                                      std::span<const Corner> corners);
+                                      std::span<const Corner> corners,
+                                      const Eigen::Vector2d& stretch = Eigen::Vector2d::Zero());
 
 }  // namespace ca2

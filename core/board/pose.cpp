@@ -111,9 +111,8 @@ std::vector<Pose> planar_poses(std::span<const Observation> observations) {
 }
 
 /// The corners that can take part: known to the board, with a bearing and a usable covariance.
-std::vector<Observation> observations_of(const Board& board, const Camera& camera,
+std::vector<Observation> observations_of(const std::vector<Eigen::Vector2d>& points, const Camera& camera,
                                          std::span<const Corner> corners) {
-  const std::vector<Eigen::Vector2d> points = board.type->corners(board);
   std::vector<Observation> observations;
   for (const Corner& corner : corners) {
     if (corner.id < 0 || static_cast<std::size_t>(corner.id) >= points.size()) continue;
@@ -129,9 +128,16 @@ std::vector<Observation> observations_of(const Board& board, const Camera& camer
 
 }  // namespace
 
+std::vector<Eigen::Vector2d> printed_corners(const Board& board, const Eigen::Vector2d& stretch) {
+  std::vector<Eigen::Vector2d> places = board.type->corners(board);
+  for (Eigen::Vector2d& place : places) place += place.cwiseProduct(stretch);
+  return places;
+}
+
 Result<BoardPose> estimate_board_pose(const Board& board, const Camera& camera,
-                                      std::span<const Corner> corners) {
-  const std::vector<Observation> observations = observations_of(board, camera, corners);
+                                      std::span<const Corner> corners, const Eigen::Vector2d& stretch) {
+  const std::vector<Observation> observations =
+      observations_of(printed_corners(board, stretch), camera, corners);
   if (observations.size() < 4) {
     return fail(ErrorCode::data, "",
                 "only " + std::to_string(observations.size()) + " of " + std::to_string(corners.size()) +

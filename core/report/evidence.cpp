@@ -18,9 +18,9 @@ const Pose* find_transform(const Calibration& calibration, const std::string& pa
   return nullptr;
 }
 
-std::vector<CornerError> corner_errors(const Board& board, const Camera& camera, const Pose& T_camera_board,
-                                       const std::vector<Corner>& corners) {
-  const std::vector<Eigen::Vector2d> places = board.type->corners(board);
+/// `places`: of the corners on the board, by id.
+std::vector<CornerError> corner_errors(const std::vector<Eigen::Vector2d>& places, const Camera& camera,
+                                       const Pose& T_camera_board, const std::vector<Corner>& corners) {
   std::vector<CornerError> errors;
   for (const Corner& corner : corners) {
     const Eigen::Vector2d& at = places[static_cast<std::size_t>(corner.id)];
@@ -57,16 +57,18 @@ ViewEvidence evidence_of(const Extraction& features, const Calibration& calibrat
   evidence.id = view.id;
   const Board& board = features.rig.board;
   const Outline extent = board.extent();
+  const Eigen::Vector2d& stretch = calibration.print.stretch;
+  const std::vector<Eigen::Vector2d> places = printed_corners(board, stretch);
   std::size_t c = 0;
   for (const auto& [camera, rig_camera] : features.rig.cameras) {
     const std::optional<CameraSight>& sight = view.cameras[c++];
     const auto model = calibration.cameras.find(camera);
     if (!sight || model == calibration.cameras.end()) continue;
-    const Result<BoardPose> pose = estimate_board_pose(board, model->second.camera, sight->corners);
+    const Result<BoardPose> pose = estimate_board_pose(board, model->second.camera, sight->corners, stretch);
     if (!pose) continue;
     evidence.T_camera_board[camera] = pose->T_camera_board;
     evidence.corners[camera] =
-        corner_errors(board, model->second.camera, pose->T_camera_board, sight->corners);
+        corner_errors(places, model->second.camera, pose->T_camera_board, sight->corners);
     std::size_t l = 0;
     for (const auto& [lidar, rig_lidar] : features.rig.lidars) {
       const std::vector<LidarSight>& sights = view.lidars[l++];
@@ -86,7 +88,7 @@ ViewEvidence evidence_of(const Extraction& features, const Calibration& calibrat
 std::vector<StereoEvidence> stereo_of(const Evidence& evidence, const Extraction& features,
                                       const Calibration& calibration) {
   std::vector<StereoEvidence> pairs;
-  const std::vector<Eigen::Vector2d> places = features.rig.board.type->corners(features.rig.board);
+  const std::vector<Eigen::Vector2d> places = printed_corners(features.rig.board, calibration.print.stretch);
   for (const CalibratedTransform& t : calibration.transforms) {
     const auto b = calibration.cameras.find(t.parent), a = calibration.cameras.find(t.child);
     if (a == calibration.cameras.end() || b == calibration.cameras.end()) continue;

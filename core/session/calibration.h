@@ -37,6 +37,13 @@ struct CalibratedLidar {
   bool estimated = false;  ///< the bias was estimated
 };
 
+/// How much larger the board's print is than stated: printed over stated length along x and y, less 1.
+struct CalibratedPrint {
+  Eigen::Vector2d stretch = Eigen::Vector2d::Zero();
+  Eigen::Vector2d sigma = Eigen::Vector2d::Zero();
+  bool estimated = false;  ///< false: it is believed to be as stated
+};
+
 struct CalibratedView {
   int id = 0;
   bool used = false;
@@ -66,6 +73,7 @@ struct Calibration {
   std::vector<CalibratedTransform> transforms;
   std::map<std::string, CalibratedCamera> cameras;
   std::map<std::string, CalibratedLidar> lidars;
+  CalibratedPrint print;
   Observability observability;
   Validation validation;
   std::vector<CalibratedView> views;

@@ -20,8 +20,8 @@ class CalibrationParser {
   Result<Calibration> parse(const YamlNode& root) {
     if (root.is_null()) return fail(ErrorCode::data, file_, "is empty");
     if (reader_.map(&root, "the result",
-                    {"version", "software", "method", "transforms", "cameras", "lidars", "observability",
-                     "validation", "views", "notes"})) {
+                    {"version", "software", "method", "transforms", "cameras", "lidars", "print",
+                     "observability", "validation", "views", "notes"})) {
       const YamlNode* version = reader_.require(root, "version", "the result");
       const auto number = reader_.integer(version, 0, 1000000);
       if (number && *number != 1) {
@@ -33,6 +33,7 @@ class CalibrationParser {
       for_list(reader_.require(root, "transforms", "the result"), [&](const YamlNode& n) { transform(n); });
       for_map(root.find("cameras"), [&](const YamlNode& n) { camera(n); });
       for_map(root.find("lidars"), [&](const YamlNode& n) { lidar(n); });
+      if (const YamlNode* node = root.find("print")) print(*node);
       observability(root.find("observability"));
       validation(root.find("validation"));
       for_list(root.find("views"), [&](const YamlNode& n) { view(n); });
@@ -127,6 +128,14 @@ class CalibrationParser {
       return;
     result_.lidars[node.key] = {figure(node, "range_bias"), figure(node, "range_bias_sigma"),
                                 figure(node, "range_sigma"), flag(node, "estimated")};
+  }
+
+  void print(const YamlNode& node) {
+    if (!reader_.map(&node, "print", {"stretch", "sigma"})) return;
+    const auto stretch = reader_.numbers(reader_.require(node, "stretch", "print"), 2, 1);
+    const auto sigma = reader_.numbers(reader_.require(node, "sigma", "print"), 2, huge_number);
+    if (!stretch || !sigma) return;
+    result_.print = {{(*stretch)[0], (*stretch)[1]}, {(*sigma)[0], (*sigma)[1]}, true};
   }
 
   void observability(const YamlNode* node) {

@@ -110,6 +110,10 @@ std::string to_yaml(const Calibration& calibration) {
                 [&](const auto& entry) { write_camera(out, entry.first, entry.second); });
   write_section(out, "lidars", "{}", c.lidars,
                 [&](const auto& entry) { write_lidar(out, entry.first, entry.second); });
+  if (c.print.estimated) {
+    out += "print: {stretch: " + exact_list(c.print.stretch.data(), 2) +
+           ", sigma: " + exact_list(c.print.sigma.data(), 2) + "}\n";
+  }
   out += "observability: {verdict: " + yaml_string(c.observability.verdict) +
          ", weakest_direction: " + yaml_string(c.observability.weakest_direction) +
          ", condition: " + exact(c.observability.condition) + "}\n";
@@ -140,6 +144,10 @@ std::string to_json(const Calibration& calibration) {
                             {"range_bias_sigma", lidar.range_bias_sigma},
                             {"range_sigma", lidar.range_sigma},
                             {"estimated", lidar.estimated}};
+  }
+  if (c.print.estimated) {
+    json["print"] = {{"stretch", {c.print.stretch.x(), c.print.stretch.y()}},
+                     {"sigma", {c.print.sigma.x(), c.print.sigma.y()}}};
   }
   json["observability"] = {{"verdict", c.observability.verdict},
                            {"weakest_direction", c.observability.weakest_direction},

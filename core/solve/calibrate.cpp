@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "ca2_version.h"
 #include "core/geometry/adjoint.h"
 #include "core/solve/beam_center.h"
+#include "core/solve/correction_notes.h"
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
@@ -98,10 +100,13 @@ class JointReport {
     return 6 * static_cast<Eigen::Index>(names_.cameras.size() - 1 + l);
   }
   Eigen::Index intrinsics_index(std::size_t c) const {
-    return lidar_index(names_.lidars.size()) + 4 * static_cast<Eigen::Index>(c);
+    return std::accumulate(answer_.free_intrinsics.begin(),
+                           answer_.free_intrinsics.begin() + static_cast<std::ptrdiff_t>(c),
+                           lidar_index(names_.lidars.size()));
   }
+  Eigen::Index stretch_index() const { return intrinsics_index(names_.cameras.size()); }
   Eigen::Index bias_index(std::size_t l) const {
-    return intrinsics_index(names_.cameras.size()) + static_cast<Eigen::Index>(l);
+    return stretch_index() + (answer_.stretch_free ? 2 : 0) + static_cast<Eigen::Index>(l);
   }
 
   /// Derivative of T_camera_lidar (right perturbation) by the globals.
@@ -179,10 +184,14 @@ class JointReport {
         camera.sigma.resize(static_cast<std::size_t>(camera.camera.parameters.size()), 0);
       }
       camera.estimated = options_.prior_focal > 0;
-      for (Eigen::Index k = 0; k < 4 && camera.estimated; ++k) {
+      for (Eigen::Index k = 0; k < answer_.free_intrinsics[c] && camera.estimated; ++k) {
         const Eigen::Index i = intrinsics_index(c) + k;
         camera.sigma[static_cast<std::size_t>(k)] = std::sqrt(answer_.covariance(i, i));
       }
+    }
+    if (answer_.stretch_free) {
+      const Eigen::Vector2d variance = answer_.covariance.diagonal().segment<2>(stretch_index());
+      calibration.print = {answer_.state.stretch, variance.cwiseSqrt(), true};
     }
     for (std::size_t l = 0; l < names_.lidars.size(); ++l) {
       const Eigen::Index i = bias_index(l);
@@ -193,6 +202,8 @@ class JointReport {
   }
 
   void add_notes(Calibration& calibration) const {
+    for (std::string& note : correction_notes(rig_, views_, answer_, calibration.print))
+      calibration.notes.push_back(std::move(note));
     if (answer_.edges_dropped) {
       calibration.notes.push_back(
           "the plates' edges contradict the planes and were left out: is the outline in the rig right?");
@@ -390,6 +401,7 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   }
   JointOptions joint;
   joint.prior_bias = options.prior_bias;
+  joint.doubt_priors = {options.prior_distortion, options.prior_stretch};
   joint.stop = options.stop;
   for (const RigExtrinsic& known : rig.extrinsics) {
     if (!known.fixed) continue;

@@ -24,6 +24,9 @@ struct CalibrateOptions {
   double prior_focal = 0.003;  ///< of fx and fy, relative
   double prior_center = 1.0;   ///< of cx and cy, px
   double prior_bias = 0.012;   ///< of a LiDAR's range bias, m
+  /// The same of what is held until the corners contradict it.
+  double prior_distortion = 3;   ///< of a given lens's distortion, px a coefficient moves corners at most
+  double prior_stretch = 0.003;  ///< of the print along x and y, relative
   /// Cameras whose intrinsics were estimated from the same views: standard deviation of each parameter.
   std::map<std::string, Eigen::VectorXd> estimated;
   /// Once this is asked for, the calibration fails within milliseconds with ErrorCode::unavailable.

@@ -16,9 +16,20 @@ double huber_cost(double norm, double k) {
   return norm <= k ? 0.5 * norm * norm : k * (norm - 0.5 * k);
 }
 
+Eigen::Vector3d as_printed(const Eigen::Vector3d& stated, const Eigen::Vector2d& stretch) {
+  return {stated.x() * (1 + stretch.x()), stated.y() * (1 + stretch.y()), 0};
+}
+
 }  // namespace
 
-CornerField::CornerField(std::span<const Corner> corners, std::span<const Eigen::Vector2d> positions) {
+CornerField::CornerField(std::span<const Corner> corners, std::span<const Eigen::Vector2d> positions,
+                         const CornerUnknowns& unknowns)
+    : unknowns_(unknowns),
+      size_(6 + unknowns.parameters + (unknowns.stretch ? 2 : 0)),
+      parameters_(CameraParameters::Zero(unknowns.parameters)),
+      moves_(CameraParameters::Zero(unknowns.parameters)),
+      e_(Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(corners.size()))),
+      J_(Eigen::MatrixXd::Zero(size_, 2 * static_cast<Eigen::Index>(corners.size()))) {
   corners_.reserve(corners.size());
   for (const Corner& corner : corners) {
     const Eigen::Vector2d& xy = positions[static_cast<std::size_t>(corner.id)];
@@ -27,87 +38,98 @@ CornerField::CornerField(std::span<const Corner> corners, std::span<const Eigen:
                         corner.pixel,
                         corner.covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity())});
   }
-  rows_.resize(corners.size());
 }
 
-Vector10d CornerField::way_to(const Camera& camera, const Pose& T_camera_board) const {
-  Vector10d way;
-  way << T_camera_board_.difference(T_camera_board), camera.parameters.head<4>() - intrinsics_;
+CornerField::Vector CornerField::way_to(const CornerModel& model) const {
+  Vector way(size_);
+  way.head<6>() = T_camera_board_.difference(model.T_camera_board);
+  way.segment(6, parameters_.size()) = model.camera.parameters.head(parameters_.size()) - parameters_;
+  if (unknowns_.stretch) way.tail<2>() = model.stretch - stretch_;
   return way;
 }
 
-bool CornerField::close(const Vector10d& way, const Pose& T_camera_board) const {
-  return way.head<3>().norm() <= reach_ && way.segment<3>(3).norm() <= reach_ * T_camera_board.t.norm() &&
-         way.tail<4>().lpNorm<Eigen::Infinity>() <= intrinsics_reach;
+bool CornerField::close(const Vector& way, const CornerModel& model) const {
+  return way.head<3>().norm() <= reach_ &&
+         way.segment<3>(3).norm() <= reach_ * model.T_camera_board.t.norm() &&
+         way.segment(6, moves_.size()).cwiseProduct(moves_).lpNorm<Eigen::Infinity>() <= intrinsics_reach &&
+         (model.stretch - stretch_).lpNorm<Eigen::Infinity>() <= reach_;
 }
 
-bool CornerField::project(const Camera& camera, const Pose& T_camera_board) {
+bool CornerField::project(const CornerModel& model) {
   approached_ = false;
+  const Pose& T_camera_board = model.T_camera_board;
+  moves_.setZero();
   ProjectionJacobian jacobian;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Seen& corner = corners_[i];
-    Row& row = rows_[i];
-    const auto pixel = camera.project(T_camera_board * corner.p_board, &jacobian);
+    const Eigen::Vector3d printed = as_printed(corner.p_board, model.stretch);
+    const auto pixel = model.camera.project(T_camera_board * printed, &jacobian);
     if (!pixel) return false;
-    row.e = corner.whitening * (*pixel - corner.pixel);
+    e_.col(static_cast<Eigen::Index>(i)) = corner.whitening * (*pixel - corner.pixel);
+    auto J = J_.middleCols<2>(2 * static_cast<Eigen::Index>(i));
     const Eigen::Matrix<double, 2, 3> by_translation = corner.whitening * jacobian.point * T_camera_board.R;
-    row.J.topRows<3>() = skew(corner.p_board) * by_translation.transpose();
-    row.J.middleRows<3>(3) = by_translation.transpose();
-    row.J.bottomRows<4>() = (corner.whitening * jacobian.parameters.leftCols<4>()).transpose();
+    J.topRows<3>() = skew(printed) * by_translation.transpose();
+    J.middleRows<3>(3) = by_translation.transpose();
+    const auto by_parameters = jacobian.parameters.leftCols(moves_.size());
+    J.middleRows(6, moves_.size()) = by_parameters.transpose().lazyProduct(corner.whitening.transpose());
+    if (unknowns_.stretch)
+      J.bottomRows<2>() = corner.p_board.head<2>().asDiagonal() * by_translation.leftCols<2>().transpose();
+    moves_ = moves_.cwiseMax(by_parameters.cwiseAbs().colwise().maxCoeff().transpose());
   }
   T_camera_board_ = T_camera_board;
-  intrinsics_ = camera.parameters.head<4>();
+  parameters_ = model.camera.parameters.head(parameters_.size());
+  stretch_ = model.stretch;
   approached_ = true;
   limit_ = 0;
   return true;
 }
 
 void CornerField::settle(double limit) {
-  settled_ = {};
+  settled_ = CameraEquations(size_);
   settled_up_to_ = 0;
   limit_ = limit;
   single_.clear();
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    const Row& row = rows_[i];
-    const double squared = row.e.squaredNorm();
+  for (std::size_t i = 0; i < size(); ++i) {
+    const double squared = e(i).squaredNorm();
     if (squared > limit * limit) {
       single_.push_back(i);
       continue;
     }
     settled_up_to_ = std::max(settled_up_to_, squared);
     settled_.cost += 0.5 * squared;
-    settled_.g.noalias() += row.J.lazyProduct(row.e);
-    settled_.H.noalias() += row.J.lazyProduct(row.J.transpose());
+    settled_.g.noalias() += J(i).lazyProduct(e(i));
   }
+  // All in one product, and the few single ones out again.
+  auto H = settled_.H.selfadjointView<Eigen::Lower>();
+  H.rankUpdate(J_);
+  for (const std::size_t i : single_) H.rankUpdate(J(i), -1);
+  settled_.H.triangularView<Eigen::StrictlyUpper>() = settled_.H.transpose();
   settled_up_to_ = std::sqrt(settled_up_to_);
 }
 
-bool CornerField::approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber,
-                           double reach) {
+bool CornerField::approach(const CornerModel& model, double scale, double huber, double reach) {
   reach_ = reach;
-  if (!approached_ || !close(way_to(camera, T_camera_board), T_camera_board)) {
-    if (!project(camera, T_camera_board)) return false;
+  if (!approached_ || !close(way_to(model), model)) {
+    if (!project(model)) return false;
   }
   const double limit = certain * huber * scale;
   if (limit_ == 0 || settled_up_to_ > 1.1 * limit || limit_ < 0.8 * limit) settle(limit);
   return true;
 }
 
-SensorEquations CornerField::equations(const Camera& camera, const Pose& T_camera_board, double scale,
-                                       double huber) const {
-  const Vector10d way = way_to(camera, T_camera_board);
-  SensorEquations sum = settled_;
-  const Vector10d H_way = settled_.H.lazyProduct(way);
+CameraEquations CornerField::equations(const CornerModel& model, double scale, double huber) const {
+  const Vector way = way_to(model);
+  CameraEquations sum = settled_;
+  const Vector H_way = settled_.H.lazyProduct(way);
   sum.cost += settled_.g.dot(way) + 0.5 * way.dot(H_way);
   sum.g += H_way;
   for (const std::size_t i : single_) {
-    const Row& row = rows_[i];
-    const Eigen::Vector2d e = row.e + row.J.transpose().lazyProduct(way);
-    const double norm = e.norm();
+    const Eigen::Vector2d there = e(i) + J(i).transpose().lazyProduct(way);
+    const double norm = there.norm();
     const double weight = norm <= huber * scale ? 1 : huber * scale / norm;
     sum.cost += huber_cost(norm, huber * scale);
-    sum.g.noalias() += row.J.lazyProduct(weight * e);
-    sum.H.noalias() += weight * row.J.lazyProduct(row.J.transpose());
+    sum.g.noalias() += J(i).lazyProduct(weight * there);
+    sum.H.noalias() += weight * J(i).lazyProduct(J(i).transpose());
   }
   const double information = 1 / (scale * scale);
   sum.cost *= information;
@@ -116,18 +138,18 @@ SensorEquations CornerField::equations(const Camera& camera, const Pose& T_camer
   return sum;
 }
 
-double CornerField::cost(const Camera& camera, const Pose& T_camera_board, double scale, double huber) const {
+double CornerField::cost(const CornerModel& model, double scale, double huber) const {
   double sum = 0;
-  const Vector10d way = approached_ ? way_to(camera, T_camera_board) : Vector10d::Zero();
-  if (approached_ && close(way, T_camera_board)) {
-    sum = settled_.cost + settled_.g.dot(way) + 0.5 * way.dot(settled_.H.lazyProduct(way));
-    for (const std::size_t i : single_) {
-      const Row& row = rows_[i];
-      sum += huber_cost((row.e + row.J.transpose().lazyProduct(way)).norm(), huber * scale);
-    }
+  const Vector way = approached_ ? way_to(model) : Vector();
+  if (approached_ && close(way, model)) {
+    const Vector H_way = settled_.H.lazyProduct(way);
+    sum = settled_.cost + settled_.g.dot(way) + 0.5 * way.dot(H_way);
+    for (const std::size_t i : single_)
+      sum += huber_cost((e(i) + J(i).transpose().lazyProduct(way)).norm(), huber * scale);
   } else {
     for (const Seen& corner : corners_) {
-      const auto pixel = camera.project(T_camera_board * corner.p_board);
+      const auto pixel =
+          model.camera.project(model.T_camera_board * as_printed(corner.p_board, model.stretch));
       if (!pixel) return std::numeric_limits<double>::infinity();
       sum += huber_cost((corner.whitening * (*pixel - corner.pixel)).norm(), huber * scale);
     }
@@ -135,34 +157,31 @@ double CornerField::cost(const Camera& camera, const Pose& T_camera_board, doubl
   return sum / (scale * scale);
 }
 
-Eigen::Matrix2Xd CornerField::errors(const Camera& camera, const Pose& T_camera_board) const {
-  const Vector10d way = way_to(camera, T_camera_board);
-  Eigen::Matrix2Xd errors(2, static_cast<Eigen::Index>(rows_.size()));
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    errors.col(static_cast<Eigen::Index>(i)) = rows_[i].e + rows_[i].J.transpose().lazyProduct(way);
-  }
+Eigen::Matrix2Xd CornerField::errors(const CornerModel& model) const {
+  if (!approached_) return e_;
+  const Vector way = way_to(model);
+  Eigen::Matrix2Xd errors = e_;
+  for (std::size_t i = 0; i < size(); ++i)
+    errors.col(static_cast<Eigen::Index>(i)) += J(i).transpose().lazyProduct(way);
   return errors;
 }
 
-Eigen::Matrix2Xd CornerField::errors_about_own_pose(const Camera& camera, const Pose& T_camera_board) const {
-  Eigen::Matrix2Xd errors = this->errors(camera, T_camera_board);
+Eigen::Matrix2Xd CornerField::errors_about_own_pose(const CornerModel& model) const {
+  Eigen::Matrix2Xd errors = this->errors(model);
   Matrix6d H = settled_.H.topLeftCorner<6, 6>();
-  for (const std::size_t i : single_) {
-    H.noalias() += rows_[i].J.topRows<6>().lazyProduct(rows_[i].J.topRows<6>().transpose());
-  }
+  for (const std::size_t i : single_)
+    H.noalias() += J(i).topRows<6>().lazyProduct(J(i).topRows<6>().transpose());
   Vector6d g = Vector6d::Zero();
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    g.noalias() += rows_[i].J.topRows<6>().lazyProduct(errors.col(static_cast<Eigen::Index>(i)));
-  }
+  for (std::size_t i = 0; i < size(); ++i)
+    g.noalias() += J(i).topRows<6>().lazyProduct(errors.col(static_cast<Eigen::Index>(i)));
   const Vector6d pull = H.ldlt().solve(g);
-  for (std::size_t i = 0; i < rows_.size(); ++i) {
-    errors.col(static_cast<Eigen::Index>(i)) -= rows_[i].J.topRows<6>().transpose().lazyProduct(pull);
-  }
+  for (std::size_t i = 0; i < size(); ++i)
+    errors.col(static_cast<Eigen::Index>(i)) -= J(i).topRows<6>().transpose().lazyProduct(pull);
   return errors;
 }
 
-double CornerField::rms(const Camera& camera, const Pose& T_camera_board) const {
-  const Eigen::Matrix2Xd errors = this->errors(camera, T_camera_board);
+double CornerField::rms(const CornerModel& model) const {
+  const Eigen::Matrix2Xd errors = this->errors(model);
   double squares = 0;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     squares += corners_[i]

@@ -13,41 +13,58 @@
 
 namespace ca2 {
 
+/// What puts the board's corners at their pixels.
+struct CornerModel {
+  const Camera& camera;
+  const Pose& T_camera_board;
+  Eigen::Vector2d stretch;  ///< of the print along the board's x and y: printed over stated length, less 1
+};
+
+/// What is unknown of it beside the pose.
+struct CornerUnknowns {
+  int parameters = 4;    ///< so many of the camera's, from the first on
+  bool stretch = false;  ///< and the print's stretch
+};
+
 /// To project a corner with its derivatives costs ten times what it costs to move its residual along them.
 /// Once the board pose hardly changes, the derivatives of an earlier place will do: what is neglected is of
 /// second order in the move.
 class CornerField {
  public:
-  /// `positions`: of the board's corners by id, board frame, m.
-  CornerField(std::span<const Corner> corners, std::span<const Eigen::Vector2d> positions);
+  /// `positions`: of the board's corners by id as stated, board frame, m.
+  CornerField(std::span<const Corner> corners, std::span<const Eigen::Vector2d> positions,
+              const CornerUnknowns& unknowns);
 
-  bool empty() const { return rows_.empty(); }
-  std::size_t size() const { return rows_.size(); }
+  bool empty() const { return corners_.empty(); }
+  std::size_t size() const { return corners_.size(); }
 
   /// Projects anew where the pose or the intrinsics are further than `reach` from where that was last done,
   /// or where corners changed sides between quadratic and linear cost. False where a corner does not project.
   /// `scale`: true over stated standard deviation of the corners; `huber`: whitened error from which the cost
   /// grows linearly; `reach`: rad, and share of the board's distance.
-  bool approach(const Camera& camera, const Pose& T_camera_board, double scale, double huber, double reach);
+  bool approach(const CornerModel& model, double scale, double huber, double reach);
 
   /// At the place last approached, or close to it.
-  SensorEquations equations(const Camera& camera, const Pose& T_camera_board, double scale,
-                            double huber) const;
+  CameraEquations equations(const CornerModel& model, double scale, double huber) const;
   /// The very cost of `equations` close to the place last approached, the projections' own elsewhere:
   /// infinite where a corner does not project.
-  double cost(const Camera& camera, const Pose& T_camera_board, double scale, double huber) const;
+  double cost(const CornerModel& model, double scale, double huber) const;
 
   /// Errors at the place last approached or close to it, whitened by the stated covariances: [2 x corners].
   /// Zero before anything was approached.
-  Eigen::Matrix2Xd errors(const Camera& camera, const Pose& T_camera_board) const;
+  Eigen::Matrix2Xd errors(const CornerModel& model) const;
   /// The same less what another pose of the board would take away.
-  Eigen::Matrix2Xd errors_about_own_pose(const Camera& camera, const Pose& T_camera_board) const;
+  Eigen::Matrix2Xd errors_about_own_pose(const CornerModel& model) const;
   /// Reprojection error, px rms.
-  double rms(const Camera& camera, const Pose& T_camera_board) const;
+  double rms(const CornerModel& model) const;
+  /// How far a unit of each of the camera's unknown parameters moves a corner at most, px, at the place last
+  /// approached.
+  const CameraParameters& moves() const { return moves_; }
   int id(std::size_t corner) const { return corners_[corner].id; }
 
  private:
-  static constexpr double intrinsics_reach = 0.1;  ///< px: the projection is linear in these
+  static constexpr double intrinsics_reach = 0.1;  ///< px a corner moves: linear in the parameters so far
+  using Vector = CameraEquations::Vector;
 
   struct Seen {
     int id;
@@ -55,27 +72,30 @@ class CornerField {
     Eigen::Vector2d pixel;
     Eigen::Matrix2d whitening;  ///< W'W = covariance^-1, lower triangular
   };
-  /// Whitened error and its derivatives at the place last approached.
-  struct Row {
-    Eigen::Vector2d e;
-    Eigen::Matrix<double, 10, 2> J;  ///< transposed
-  };
+
+  /// Derivatives of a corner's whitened error at the place last approached, transposed.
+  auto J(std::size_t corner) const { return J_.middleCols<2>(2 * static_cast<Eigen::Index>(corner)); }
+  auto e(std::size_t corner) const { return e_.col(static_cast<Eigen::Index>(corner)); }
 
   /// From the place last approached.
-  Vector10d way_to(const Camera& camera, const Pose& T_camera_board) const;
-  bool close(const Vector10d& way, const Pose& T_camera_board) const;
-  bool project(const Camera& camera, const Pose& T_camera_board);
+  Vector way_to(const CornerModel& model) const;
+  bool close(const Vector& way, const CornerModel& model) const;
+  bool project(const CornerModel& model);
   /// Sums up the rows whose cost is quadratic for certain; the others stay single.
   void settle(double limit);
-  double single_cost(const Vector10d& way, double scale, double huber) const;
 
   std::vector<Seen> corners_;
+  CornerUnknowns unknowns_;
+  Eigen::Index size_;  ///< of the pose and the unknowns
   bool approached_ = false;
   double reach_ = 0;
   Pose T_camera_board_;
-  Eigen::Vector4d intrinsics_;
-  std::vector<Row> rows_;
-  SensorEquations settled_;   ///< of unscaled errors
+  CameraParameters parameters_;  ///< those that are unknown
+  Eigen::Vector2d stretch_ = Eigen::Vector2d::Zero();
+  CameraParameters moves_;
+  Eigen::Matrix2Xd e_;        ///< whitened errors at the place last approached
+  Eigen::MatrixXd J_;         ///< [unknowns x 2 per corner]
+  CameraEquations settled_;   ///< of unscaled errors
   double settled_up_to_ = 0;  ///< the largest whitened error among them
   double limit_ = 0;          ///< errors up to here were settled
   std::vector<std::size_t> single_;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/geometry/adjoint.h"
 #include "core/solve/lidar_terms.h"
@@ -15,6 +16,14 @@ namespace {
 /// Holds a value that has no freedom: 1e-9 of its unit.
 constexpr double held = 1e18;
 
+/// Where every camera's intrinsics begin, from `first` on, and where the last one's end.
+std::vector<int> intrinsics_places(const JointInput& input, int first) {
+  std::vector<int> places{first};
+  for (const CameraParameters& sigma : input.prior_intrinsics)
+    places.push_back(places.back() + static_cast<int>(sigma.size()));
+  return places;
+}
+
 }  // namespace
 
 JointProblem::JointProblem(const JointInput& input)
@@ -22,15 +31,17 @@ JointProblem::JointProblem(const JointInput& input)
       cameras_(static_cast<int>(input.cameras.size())),
       lidars_(static_cast<int>(input.range_sigma.size())),
       lidar_poses_(6 * (cameras_ - 1)),
-      intrinsics_(lidar_poses_ + 6 * lidars_),
-      biases_(intrinsics_ + 4 * cameras_),
+      intrinsics_(intrinsics_places(input, lidar_poses_ + 6 * lidars_)),
+      stretch_(intrinsics_.back()),
+      biases_(stretch_ + (input.prior_stretch > 0 ? 2 : 0)),
       globals_(biases_ + 3 * lidars_),
       views_(input.views.size()),
       eliminated_(input.views.size()) {
   for (const JointView& view : input.views) {
     auto& by_camera = corners_.emplace_back();
-    for (const std::vector<Corner>& corners : view.corners)
-      by_camera.emplace_back(corners, input.board_corners);
+    for (std::size_t c = 0; c < view.corners.size(); ++c)
+      by_camera.emplace_back(view.corners[c], input.board_corners,
+                             CornerUnknowns{free_intrinsics(static_cast<int>(c)), stretch_free()});
   }
 }
 
@@ -65,15 +76,16 @@ double JointProblem::lidar_cost(const State& state, std::size_t view, int lidar,
   return cost;
 }
 
-void JointProblem::add_sensor(const SensorEquations& sensor, const Pose& T_sensor_board, int pose,
+template <typename Equations>
+void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
                               std::span<const int> numbers, ViewEquations& equations) {
-  const Matrix6d H = sensor.H.topLeftCorner<6, 6>();
-  const Vector6d g = sensor.g.head<6>();
+  const Matrix6d H = sensor.H.template topLeftCorner<6, 6>();
+  const Vector6d g = sensor.g.template head<6>();
   equations.Hvv += H;
   equations.gv += g;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const auto from = static_cast<Eigen::Index>(6 + k);
-    equations.Hvg.col(numbers[k]) += sensor.H.block<6, 1>(0, from);
+    equations.Hvg.col(numbers[k]) += sensor.H.template block<6, 1>(0, from);
     equations.gg(numbers[k]) += sensor.g(from);
     for (std::size_t j = 0; j < numbers.size(); ++j)
       equations.Hgg(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
@@ -87,7 +99,7 @@ void JointProblem::add_sensor(const SensorEquations& sensor, const Pose& T_senso
   equations.Hgg.block<6, 6>(pose, pose) += A.transpose() * HA;
   equations.gg.segment<6>(pose) += A.transpose() * g;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
-    const Vector6d mixed = A.transpose() * sensor.H.block<6, 1>(0, static_cast<Eigen::Index>(6 + k));
+    const Vector6d mixed = A.transpose() * sensor.H.template block<6, 1>(0, static_cast<Eigen::Index>(6 + k));
     equations.Hgg.block<6, 1>(pose, numbers[k]) += mixed;
     equations.Hgg.block<1, 6>(numbers[k], pose) += mixed.transpose();
   }
@@ -106,12 +118,16 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
     if (corners.empty()) continue;
     const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
     const Pose T_camera_board = sensor_board(state, c, view);
-    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber, input_.corner_reach))
+    const CornerModel model{camera, T_camera_board, state.stretch};
+    if (!corners.approach(model, corner_scale(c), input_.corner_huber, input_.corner_reach))
       return std::numeric_limits<double>::infinity();
-    const SensorEquations sensor =
-        corners.equations(camera, T_camera_board, corner_scale(c), input_.corner_huber);
-    const int k = intrinsics_index(c);
-    add_sensor(sensor, T_camera_board, sensor_index(c), std::array{k, k + 1, k + 2, k + 3}, equations);
+    const CameraEquations sensor = corners.equations(model, corner_scale(c), input_.corner_huber);
+    std::array<int, CameraEquations::most - 6> numbers;
+    const auto own = numbers.begin() + free_intrinsics(c);
+    std::iota(numbers.begin(), own, intrinsics_index(c));
+    std::iota(own, own + 2, stretch_index());
+    add_sensor(sensor, T_camera_board, sensor_index(c),
+               std::span(numbers).first(static_cast<std::size_t>(sensor.g.size() - 6)), equations);
     cost += sensor.cost;
   }
   for (int l = 0; l < lidars_; ++l) {
@@ -138,11 +154,13 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
   for (int c = 0; c < cameras_; ++c) {
     const CameraParameters& given = input_.cameras[static_cast<std::size_t>(c)].parameters;
     const CameraParameters& now = state.cameras[static_cast<std::size_t>(c)].parameters;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < free_intrinsics(c); ++k) {
       const double sigma = input_.prior_intrinsics[static_cast<std::size_t>(c)](k);
       add(intrinsics_index(c) + k, now(k) - given(k), loose(sigma));
     }
   }
+  for (int k = 0; k < (stretch_free() ? 2 : 0); ++k)
+    add(stretch_index() + k, state.stretch(k), loose(input_.prior_stretch));
   for (int l = 0; l < lidars_; ++l) {
     add(bias_index(l), state.range_bias[static_cast<std::size_t>(l)], loose(input_.prior_bias));
     const double slope = input_.prior_range_slope[static_cast<std::size_t>(l)];
@@ -156,8 +174,8 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     const Eigen::VectorXd pulled = input_.nuisances->information * d - input_.nuisances->pull;
     cost += 0.5 * d.dot(pulled - input_.nuisances->pull);
     if (H) {
-      H->block(intrinsics_, intrinsics_, d.size(), d.size()) += input_.nuisances->information;
-      g->segment(intrinsics_, d.size()) += pulled;
+      H->block(intrinsics_index(0), intrinsics_index(0), d.size(), d.size()) += input_.nuisances->information;
+      g->segment(intrinsics_index(0), d.size()) += pulled;
     }
   }
   for (const RelativePrior& prior : input_.relative) {
@@ -199,7 +217,8 @@ double JointProblem::cost(const State& state) const {
     for (int c = 0; c < cameras_; ++c) {
       const CornerField& corners = corners_[v][static_cast<std::size_t>(c)];
       if (corners.empty()) continue;
-      cost += corners.cost(state.cameras[static_cast<std::size_t>(c)], sensor_board(state, c, v),
+      const Pose T_camera_board = sensor_board(state, c, v);
+      cost += corners.cost({state.cameras[static_cast<std::size_t>(c)], T_camera_board, state.stretch},
                            corner_scale(c), input_.corner_huber);
     }
     for (int l = 0; l < lidars_; ++l) cost += lidar_cost(state, v, l, nullptr);
@@ -282,8 +301,10 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
   for (int c = 0; c < cameras_; ++c) {
     const auto i = static_cast<std::size_t>(c);
     if (c > 0) next.T_ref_camera[i] = state.T_ref_camera[i].perturbed(step.segment<6>(camera_pose_index(c)));
-    next.cameras[i].parameters.head<4>() += step.segment<4>(intrinsics_index(c));
+    next.cameras[i].parameters.head(free_intrinsics(c)) +=
+        step.segment(intrinsics_index(c), free_intrinsics(c));
   }
+  if (stretch_free()) next.stretch += step.segment<2>(stretch_index());
   for (int l = 0; l < lidars_; ++l) {
     const auto i = static_cast<std::size_t>(l);
     next.T_ref_lidar[i] = state.T_ref_lidar[i].perturbed(step.segment<6>(lidar_pose_index(l)));
@@ -310,13 +331,12 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) {
     if (corners.empty()) continue;
     const Camera& camera = state.cameras[static_cast<std::size_t>(c)];
     const Pose T_camera_board = sensor_board(state, c, view);
-    if (!corners.approach(camera, T_camera_board, corner_scale(c), input_.corner_huber,
-                          input_.corner_reach)) {
+    const CornerModel model{camera, T_camera_board, state.stretch};
+    if (!corners.approach(model, corner_scale(c), input_.corner_huber, input_.corner_reach)) {
       misfit.lidars = misfit.cameras = std::numeric_limits<double>::infinity();
       return misfit;
     }
-    const SensorEquations sensor =
-        corners.equations(camera, T_camera_board, corner_scale(c), input_.corner_huber);
+    const CameraEquations sensor = corners.equations(model, corner_scale(c), input_.corner_huber);
     const Matrix6d H = sensor.H.topLeftCorner<6, 6>();
     const Vector6d g = sensor.g.head<6>();
     misfit.cameras += decrement(H, g);

@@ -39,16 +39,20 @@ struct JointInput {
   std::vector<Camera> cameras;                 ///< intrinsics as given: the priors' means
   std::vector<JointView> views;
   std::vector<RelativePrior> relative;
-  std::vector<double> range_sigma;                ///< by LiDAR, m
-  std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
-  std::vector<bool> stated;                       ///< by camera: the intrinsics are not from these views
-  double prior_bias = 0;                          ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
+  std::vector<double> range_sigma;  ///< by LiDAR, m
+  /// By camera: sigma of its free parameters, which are the first so many of its model's (fx, fy, cx, cy at
+  /// least), in their units; 0 holds one.
+  std::vector<CameraParameters> prior_intrinsics;
+  std::vector<bool> stated;               ///< by camera: the intrinsics are not from these views
+  double prior_stretch = 0;               ///< sigma of the print's stretch along x and y; 0: it is as stated
+  double prior_bias = 0;                  ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
   double prior_dilation =
       0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it at 0
   std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
-  /// Takes the place of the priors on intrinsics and range biases that are not held: deviations from the
-  /// given intrinsics (4 per camera) and the biases (1 per LiDAR), in this order.
+  /// Takes the place of the priors on intrinsics, stretch and range biases that are not held: deviations from
+  /// the given intrinsics (the free ones of every camera), the stretch (2, where unknown) and the biases (1
+  /// per LiDAR), in this order.
   std::optional<NuisancePrior> nuisances;
   double corner_reach = 3e-6;  ///< corners are projected anew where a board moved further, see CornerField
   double corner_huber = 3;     ///< whitened corner error from which the cost grows linearly
@@ -58,8 +62,9 @@ struct JointInput {
 struct JointState {
   std::vector<Pose> T_ref_camera;
   std::vector<Pose> T_ref_lidar;
-  std::vector<Camera> cameras;      ///< current intrinsics
-  std::vector<double> range_bias;   ///< by LiDAR, m
+  std::vector<Camera> cameras;                        ///< current intrinsics
+  Eigen::Vector2d stretch = Eigen::Vector2d::Zero();  ///< of the print, see CornerModel
+  std::vector<double> range_bias;                     ///< by LiDAR, m
   std::vector<double> range_slope;  ///< by LiDAR, m per sine of the elevation, see RangeSums
   std::vector<double> dilation;     ///< by LiDAR, rad, see EdgeSums
   std::vector<Pose> T_ref_board;    ///< by view
@@ -70,9 +75,9 @@ struct JointState {
 /// input is read at every call, so that noise, returns and rims may be put right between two solves; the
 /// corners are those it had at the construction.
 ///
-/// Order of the global unknowns: 6 per camera but the first, 6 per LiDAR, 4 per camera (fx, fy, cx, cy), 1
-/// per LiDAR (range bias), 1 per LiDAR (dilation), 1 per LiDAR (range slope); poses as right perturbations
-/// (rotation, translation) of T_ref_sensor.
+/// Order of the global unknowns: 6 per camera but the first, 6 per LiDAR, every camera's free parameters, the
+/// print's stretch (2, where unknown), 1 per LiDAR (range bias), 1 per LiDAR (dilation), 1 per LiDAR (range
+/// slope); poses as right perturbations (rotation, translation) of T_ref_sensor.
 class JointProblem {
  public:
   using State = JointState;
@@ -94,7 +99,12 @@ class JointProblem {
   int globals() const { return globals_; }
   int camera_pose_index(int camera) const { return 6 * (camera - 1); }  ///< camera > 0
   int lidar_pose_index(int lidar) const { return lidar_poses_ + 6 * lidar; }
-  int intrinsics_index(int camera) const { return intrinsics_ + 4 * camera; }
+  int intrinsics_index(int camera) const { return intrinsics_[static_cast<std::size_t>(camera)]; }
+  /// How many of a camera's parameters are unknowns.
+  int free_intrinsics(int camera) const { return intrinsics_index(camera + 1) - intrinsics_index(camera); }
+  bool distortion_free() const;  ///< of any camera
+  bool stretch_free() const { return biases_ > stretch_; }
+  int stretch_index() const { return stretch_; }
   int bias_index(int lidar) const { return biases_ + lidar; }
   int dilation_index(int lidar) const { return biases_ + lidars_ + lidar; }
   int slope_index(int lidar) const { return biases_ + 2 * lidars_ + lidar; }
@@ -102,8 +112,8 @@ class JointProblem {
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
   /// What the views at the state last linearised, the minimum, say of the deviations that have a prior:
-  /// stated intrinsics and the range biases are a group each. Nothing where they are all held or the views
-  /// determine nothing without them.
+  /// stated intrinsics, their distortion, the print's stretch and the range biases are a group each. Nothing
+  /// where they are all held or the views determine nothing without them.
   std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
 
   /// One view's share of `information()` and of the marginal gradient: what leaving it out takes away.
@@ -131,7 +141,9 @@ class JointProblem {
   /// Cost of one LiDAR in one view, with its derivatives where asked for.
   double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
   double linearize_view(const State& state, std::size_t view);
-  static void add_sensor(const SensorEquations& sensor, const Pose& T_sensor_board, int pose,
+  /// `sensor`: SensorEquations or CameraEquations; `numbers`: places of the sensor's own among the globals.
+  template <typename Equations>
+  static void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
                          std::span<const int> numbers, ViewEquations& equations);
   double corner_scale(int camera) const;
   double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
@@ -140,7 +152,9 @@ class JointProblem {
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference
 
   const JointInput& input_;
-  int cameras_, lidars_, lidar_poses_, intrinsics_, biases_, globals_;
+  int cameras_, lidars_, lidar_poses_;
+  std::vector<int> intrinsics_;  ///< by camera: index of the first; and where the last one's end
+  int stretch_, biases_, globals_;
   std::vector<std::vector<CornerField>> corners_;  ///< [view][camera]
   std::vector<ViewEquations> views_;
   std::vector<Elimination> eliminated_;
@@ -150,9 +164,12 @@ class JointProblem {
   Eigen::VectorXd total_g_;
 };
 
-/// Minimises, weighs the priors on intrinsics and range biases by what the views show (input.nuisances; from
-/// five views on), and minimises with these. `input` is the problem's; the problem is left linearised at
-/// `state`.
+/// Three or four views leave too little over to say that given values are right.
+inline constexpr std::size_t least_views_to_weigh = 5;
+
+/// Minimises, weighs the priors on intrinsics, stretch and range biases by what the views show
+/// (input.nuisances; from five views on), and minimises with these. `input` is the problem's; the problem is
+/// left linearised at `state`.
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state);
 
 }  // namespace ca2

@@ -7,7 +7,9 @@
 
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/scaled_inverse.h"
+#include "core/solve/corner_doubts.h"
 #include "core/solve/corner_noise.h"
+#include "core/solve/leave_one_out.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/view_use.h"
 
@@ -20,7 +22,7 @@ constexpr double chi2_bound_6 = 27.9;
 /// noise are still being settled, and for the answer. The neglected second order is the square of it.
 constexpr double coarse_reach = 3e-4, fine_reach = 3e-6;
 /// A solve that starts from the one before is close enough for whole Newton steps.
-constexpr double warm_damping = 1e-8;
+constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
 
 class Solver {
  public:
@@ -34,6 +36,7 @@ class Solver {
     input_.prior_intrinsics = options.prior_intrinsics;
     input_.prior_bias = options.prior_bias;
     input_.stated = options.stated;
+    doubt_priors_ = options.doubt_priors;
     answer_.chosen = seed.chosen;
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
@@ -77,6 +80,7 @@ class Solver {
     // Only the second time round are returns and noise those of the solution, and views to be blamed.
     solve(Returns::by_ray);
     solve(Returns::by_ray);
+    if (!stopping()) question_corners();
     while (!stopping() && drop_worst()) solve(Returns::by_ray);
     if (!stopping()) explain_misfit();
     if (!stopping()) finish();
@@ -331,12 +335,26 @@ class Solver {
         if (corners.empty()) continue;
         const std::size_t v = active_[i];
         const Pose T_camera_board = state_.T_ref_camera[c].inverse() * state_.T_ref_board[v];
-        answer_.views[v].reprojection_rms = corners.rms(state_.cameras[c], T_camera_board);
-        noise.add_view(corners, corners.errors_about_own_pose(state_.cameras[c], T_camera_board),
-                       neighbours_);
+        const CornerModel model{state_.cameras[c], T_camera_board, state_.stretch};
+        answer_.views[v].reprojection_rms = corners.rms(model);
+        noise.add_view(corners, corners.errors_about_own_pose(model), neighbours_);
       }
       if (const auto scale = noise.scale()) answer_.corner_scale[c] = *scale;
     }
+  }
+
+  /// Frees what the corners contradict, and solves with it.
+  void question_corners() {
+    // Few views leave too little over to contradict anything.
+    if (active_.size() < least_views_to_weigh) return;
+    input_.corner_scale = answer_.corner_scale;
+    const CornerDoubts doubts = doubt_corners(input_, active_state(), neighbours_, doubt_priors_);
+    if (!doubts.any()) return;
+    doubts.open(input_);
+    problem_.reset();  // its unknowns are others
+    damping_ = cold_damping;
+    solve(Returns::by_ray);
+    solve(Returns::by_ray);
   }
 
   /// Takes out the view whose sensors disagree most, if chance does not explain it.
@@ -376,6 +394,10 @@ class Solver {
       outcome.plane_rms = weight > 0 ? std::sqrt(squares / weight) : 0;
     }
     answer_.state = state_;
+    answer_.stretch_free = input_.prior_stretch > 0;
+    answer_.free_intrinsics.clear();
+    for (const CameraParameters& sigma : input_.prior_intrinsics)
+      answer_.free_intrinsics.push_back(static_cast<int>(sigma.size()));
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
     const Misfit misfit = total_misfit();
     answer_.variance_factor = std::max(misfit_excess(misfit.lidars, misfit.lidar_freedom),
@@ -392,23 +414,7 @@ class Solver {
       return;
     }
     answer_.covariance = answer_.variance_factor * *covariance;
-    if (active_.size() < 4) return;
-    // One Newton step with the view taken out of the marginal information: exact to second order.
-    answer_.leave_one_out.resize(static_cast<Eigen::Index>(active_.size()), information.rows());
-    const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd share;
-    Eigen::VectorXd gradient;
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      problem_->view_share(i, share, gradient);
-      const Eigen::LDLT<Eigen::MatrixXd> without(scale.asDiagonal() * (information - share) *
-                                                 scale.asDiagonal());
-      if (without.info() != Eigen::Success || !(without.vectorD().minCoeff() > 1e-13)) {
-        answer_.leave_one_out.resize(0, 0);
-        return;
-      }
-      answer_.leave_one_out.row(static_cast<Eigen::Index>(i)) =
-          scale.cwiseProduct(without.solve(scale.cwiseProduct(gradient))).transpose();
-    }
+    if (active_.size() >= 4) answer_.leave_one_out = leave_one_out(*problem_, information, active_.size());
   }
 
   const Board& board_;
@@ -417,12 +423,13 @@ class Solver {
   double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used
   std::vector<Outline> outlines_;      ///< by view: about a pattern whose ids may start at either end
   std::vector<LidarReturns> returns_;  ///< by LiDAR
+  DoubtPriors doubt_priors_;
   JointInput input_;
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
   std::stop_token stop_;
-  double damping_ = 1e-4;                ///< of the next solve's first step
+  double damping_ = cold_damping;        ///< of the next solve's first step
   std::optional<JointProblem> problem_;  ///< of input_
   NeighbourTable neighbours_;
   JointAnswer answer_;

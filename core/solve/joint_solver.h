@@ -10,6 +10,7 @@
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
 #include "core/features/sights.h"
+#include "core/solve/corner_doubts.h"
 #include "core/solve/edge_noise.h"
 #include "core/solve/joint_problem.h"
 #include "core/solve/rig_seed.h"
@@ -17,10 +18,11 @@
 namespace ca2 {
 
 struct JointOptions {
-  double prior_bias = 0;                          ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
-  std::vector<Eigen::Vector4d> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
+  double prior_bias = 0;  ///< sigma of the LiDARs' range biases, m; 0 holds them at 0
+  std::vector<CameraParameters> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
   std::vector<bool> stated;  ///< by camera: the intrinsics are not from these views; how far off they may be
                              ///< is weighed by what the views show
+  DoubtPriors doubt_priors;  ///< of what is believed until the corners contradict it
   std::vector<RelativePrior> relative;
   std::stop_token stop = {};  ///< once this is asked for it gives up soon, and the answer means nothing
 };
@@ -40,6 +42,8 @@ struct JointAnswer {
   std::vector<JointViewOutcome> views;
   std::vector<std::vector<int>> chosen;  ///< [view][lidar]: the hypothesis that is the board, -1: none
   std::vector<double> range_sigma;       ///< by LiDAR, m
+  std::vector<int> free_intrinsics;      ///< by camera: how many of its parameters were unknowns
+  bool stretch_free = false;             ///< the print's stretch was unknown too
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
   std::vector<double>
       view_sigma;  ///< by LiDAR, m: what all returns of a view err by together; 0: nothing seen

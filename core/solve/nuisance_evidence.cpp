@@ -6,20 +6,28 @@
 
 namespace ca2 {
 
+bool JointProblem::distortion_free() const {
+  return intrinsics_.back() - intrinsics_.front() > 4 * cameras_;
+}
 Eigen::VectorXd JointProblem::deviations(const JointState& state) const {
-  Eigen::VectorXd d(4 * cameras_ + lidars_);
+  Eigen::VectorXd d(biases_ + lidars_ - intrinsics_index(0));
   for (int c = 0; c < cameras_; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    d.segment<4>(4 * c) = (state.cameras[i].parameters - input_.cameras[i].parameters).head<4>();
+    const int free = free_intrinsics(c);
+    d.segment(intrinsics_index(c) - intrinsics_index(0), free) =
+        (state.cameras[i].parameters - input_.cameras[i].parameters).head(free);
   }
-  for (int l = 0; l < lidars_; ++l) d(4 * cameras_ + l) = state.range_bias[static_cast<std::size_t>(l)];
+  if (stretch_free()) d.segment<2>(stretch_index() - intrinsics_index(0)) = state.stretch;
+  for (int l = 0; l < lidars_; ++l)
+    d(bias_index(l) - intrinsics_index(0)) = state.range_bias[static_cast<std::size_t>(l)];
   return d;
 }
 
 std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState& state) const {
   // Held ones go with the others: their prior is no matter of belief.
   NuisanceEvidence evidence;
-  evidence.size = 4 * cameras_ + lidars_;
+  const int first = intrinsics_index(0);
+  evidence.size = biases_ + lidars_ - first;
   std::vector<int>& index = evidence.index;
   std::vector<double> sigmas;
   const auto add = [&](int i, double sigma, int group) {
@@ -28,11 +36,20 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
     sigmas.push_back(sigma);
     evidence.group.push_back(group);
   };
+  // All of one group are as far off as each other. The last two may not be unknowns at all.
+  constexpr int pinhole_group = 0, bias_group = 1, distortion_group = 2;
+  const int print_group = distortion_free() ? 3 : 2;
   for (int c = 0; c < cameras_; ++c) {
     const auto i = static_cast<std::size_t>(c);
-    for (int k = 0; k < 4; ++k) add(4 * c + k, input_.prior_intrinsics[i](k), input_.stated[i] ? 0 : -1);
+    for (int k = 0; k < free_intrinsics(c); ++k)
+      add(intrinsics_index(c) - first + k, input_.prior_intrinsics[i](k),
+          !input_.stated[i] ? -1
+          : k < 4           ? pinhole_group
+                            : distortion_group);
   }
-  for (int l = 0; l < lidars_; ++l) add(4 * cameras_ + l, input_.prior_bias, 1);
+  for (int k = 0; k < (stretch_free() ? 2 : 0); ++k)
+    add(stretch_index() - first + k, input_.prior_stretch, print_group);
+  for (int l = 0; l < lidars_; ++l) add(bias_index(l) - first, input_.prior_bias, bias_group);
   if (index.empty()) return std::nullopt;
   // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
   const auto count = static_cast<Eigen::Index>(index.size());
@@ -40,10 +57,10 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   std::vector<int> order;
   for (int i = 0; i < globals_; ++i) {
     bool weighed = false;
-    for (const int k : index) weighed = weighed || i == intrinsics_ + k;
+    for (const int k : index) weighed = weighed || i == first + k;
     if (!weighed) order.push_back(i);
   }
-  for (const int k : index) order.push_back(intrinsics_ + k);
+  for (const int k : index) order.push_back(first + k);
   Eigen::MatrixXd S = information()(order, order);
   const Eigen::VectorXd d = deviations(state)(index);
   evidence.sigma = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), count);
@@ -66,8 +83,7 @@ void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& st
   input.nuisances.reset();
   minimize(problem, state, options);
   problem.linearize(state);
-  // Three or four views leave too little over to say that given values are right.
-  if (input.views.size() < 5) return;
+  if (input.views.size() < least_views_to_weigh) return;
   const std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
   if (!evidence) return;
   input.nuisances = weigh_nuisances(*evidence);

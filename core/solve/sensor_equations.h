@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 
+#include "core/camera/camera_model.h"
 #include "core/geometry/pose.h"
 
 namespace ca2 {
@@ -10,13 +11,26 @@ namespace ca2 {
 using Vector10d = Eigen::Matrix<double, 10, 1>;
 using Matrix10d = Eigen::Matrix<double, 10, 10>;
 
-/// Cost, gradient and Gauss-Newton matrix by a right perturbation of T_sensor_board (rotation, translation)
-/// and up to four numbers of the sensor's own: fx, fy, cx, cy [px] of a camera; range bias [m], dilation
-/// [rad] and range slope [m] of a LiDAR.
+/// Cost, gradient and Gauss-Newton matrix by a right perturbation of T_lidar_board (rotation, translation)
+/// and the LiDAR's own numbers: range bias [m], dilation [rad] and range slope [m].
 struct SensorEquations {
   double cost = 0;
   Vector10d g = Vector10d::Zero();
   Matrix10d H = Matrix10d::Zero();
+};
+
+/// The same of T_camera_board, the camera's free parameters (the first so many of its model's) and, where it
+/// is unknown, the print's stretch along x and y. Never allocates.
+struct CameraEquations {
+  static constexpr int most = 6 + max_camera_parameters + 2;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
+
+  explicit CameraEquations(Eigen::Index size = 6) : g(Vector::Zero(size)), H(Matrix::Zero(size, size)) {}
+
+  double cost = 0;
+  Vector g;
+  Matrix H;
 };
 
 }  // namespace ca2

@@ -68,7 +68,10 @@ CommandBody setup_solve(CLI::App& app) {
       "result.yaml\n"
       "with the covariance of every transform. Exit status 1 and no result when the views cannot determine "
       "the\n"
-      "answer: the message says which direction is weak and how to hold the board to cure it.");
+      "answer: the message says which direction is weak and how to hold the board to cure it.\n"
+      "Given focal lengths and principal points are refined, a lens's distortion and the print's size where "
+      "the\n"
+      "corners contradict them: the result has each with its sigma (0: held), and a note.");
   return [arguments, daemon] { return solve(*arguments, *daemon); };
 }
 

@@ -49,9 +49,9 @@ std::optional<Matrix6d> cramer_rao(const Scenario& scenario, const Rig& rig,
     if (!(scenario.cameras.at(name).noise.corner_sigma > 0)) return std::nullopt;
     const Camera& truth = scenario.cameras.at(name).camera;
     input.cameras.push_back(truth);
-    input.prior_intrinsics.emplace_back(model.prior_focal * truth.parameters(0),
-                                        model.prior_focal * truth.parameters(1), model.prior_center,
-                                        model.prior_center);
+    input.prior_intrinsics.emplace_back(Eigen::Vector4d(model.prior_focal * truth.parameters(0),
+                                                        model.prior_focal * truth.parameters(1),
+                                                        model.prior_center, model.prior_center));
     state.T_ref_camera.push_back(T_ref_rig * scenario.T_rig_sensor(name));
   }
   state.cameras = input.cameras;

@@ -42,6 +42,7 @@ Calibration example() {
   c.cameras["left"] = camera;
   c.lidars["top"] = {0.003, 0.001, 0.011, true};
   c.lidars["front"] = {};
+  c.print = {{0.0021, -0.0017}, {0.0004, 0.0005}, true};
   c.observability = {"good", "rotation about the board's vertical: \"yaw\" #1\nsecond line", 12.3};
   c.validation = {0.0012, 0.0008, 0.0021, 0.11, 0.012};
   c.views = {{1, true, "", 0.1, 0.011}, {2, false, "the board's plane: 35 mm off, 9 sigma", 0.3, 0.035}};
@@ -57,6 +58,9 @@ TEST(Calibration, RoundTrips) {
   ASSERT_TRUE(read) << read.error().text();
   EXPECT_EQ(read->software, c.software);
   EXPECT_EQ(read->method, c.method);
+  EXPECT_EQ(read->print.stretch, c.print.stretch);
+  EXPECT_EQ(read->print.sigma, c.print.sigma);
+  EXPECT_TRUE(read->print.estimated);
   ASSERT_EQ(read->transforms.size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     const CalibratedTransform &a = read->transforms[i], &b = c.transforms[i];

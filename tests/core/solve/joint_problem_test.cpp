@@ -30,7 +30,11 @@ struct Example {
     }
     input.cameras = {camera, camera};
     input.range_sigma = {0.01, 0.02};
-    input.prior_intrinsics = {Eigen::Vector4d(2, 2, 1, 1), Eigen::Vector4d(3, 3, 2, 2)};
+    // The second camera's distortion and the print are unknown too.
+    CameraParameters all(8);
+    all << 3, 3, 2, 2, 0.01, 0.02, 0.001, 0.001;
+    input.prior_intrinsics = {Eigen::Vector4d(2, 2, 1, 1), all};
+    input.prior_stretch = 0.003;
     input.prior_bias = 0.01;
     input.prior_dilation = 0.004;
     input.prior_range_slope = {0.02, 0.01};
@@ -42,6 +46,8 @@ struct Example {
     state.cameras = input.cameras;
     state.cameras[0].parameters(0) += 1.5;
     state.cameras[1].parameters(3) -= 0.7;
+    state.cameras[1].parameters(4) += 0.004;
+    state.stretch = {0.002, -0.001};
     state.range_bias = {0.004, -0.007};
     state.range_slope = {0.003, -0.002};
     state.dilation = {0.001, 0.002};

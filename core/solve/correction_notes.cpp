@@ -1,0 +1,49 @@
+#include "core/solve/correction_notes.h"
+
+#include <algorithm>
+
+#include "core/types/text.h"
+
+namespace ca2 {
+namespace {
+
+/// How far the correction moves the corners that camera `c` saw at most, px.
+double correction(const Camera& given, const Camera& estimated, const std::vector<ViewSights>& views,
+                  std::size_t c) {
+  double most = 0;
+  for (const ViewSights& view : views) {
+    if (!view.cameras[c]) continue;
+    for (const Corner& corner : view.cameras[c]->corners) {
+      const auto bearing = estimated.unproject(corner.pixel);
+      const auto before = bearing ? given.project(*bearing) : std::nullopt;
+      if (before) most = std::max(most, (*before - corner.pixel).norm());
+    }
+  }
+  return most;
+}
+
+}  // namespace
+
+std::vector<std::string> correction_notes(const Rig& rig, const std::vector<ViewSights>& views,
+                                          const JointAnswer& answer, const CalibratedPrint& print) {
+  std::vector<std::string> notes;
+  std::size_t c = 0;
+  for (const auto& [name, camera] : rig.cameras) {
+    const std::size_t i = c++;
+    if (answer.free_intrinsics[i] <= 4) continue;
+    notes.push_back(formatted(
+        "the corners contradict the distortion given for %s: it was estimated too, which moves them by up to "
+        "%.1f px",
+        name.c_str(), correction(*camera.intrinsics, answer.state.cameras[i], views, i)));
+  }
+  if (print.estimated) {
+    notes.push_back(formatted(
+        "the corners contradict the size of the print: it is larger than stated by %.2f +- %.2f %% along x "
+        "and "
+        "%.2f +- %.2f %% along y; measure it",
+        100 * print.stretch.x(), 100 * print.sigma.x(), 100 * print.stretch.y(), 100 * print.sigma.y()));
+  }
+  return notes;
+}
+
+}  // namespace ca2
