@@ -2,27 +2,25 @@
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 namespace ca2 {
 namespace {
 
 /// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre: what
 /// edges and the choice of returns by ray are made from.
-void gather_around(const Scan& scan, const std::vector<std::uint32_t>& taken, const Board& board,
-                   LidarSight& sight) {
+void gather_around(const Scan& scan, const BoardCandidate& candidate, const Board& board, LidarSight& sight) {
   const Outline extent = board.extent();
   const double distance = sight.center.norm();
   const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
   const double cosine = std::cos(std::atan2(radius, distance));
   const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
   std::vector<char> on_board(scan.size(), 0);
-  for (const std::uint32_t i : taken) on_board[i] = 1;
+  for (const std::uint32_t i : candidate.returns) on_board[i] = 1;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector3f& p = scan.points[i];
-    const BoardReturn here{
-        p, scan.intensity.empty() ? std::numeric_limits<float>::quiet_NaN() : scan.intensity[i],
-        scan.ring.empty() ? BoardReturn::no_ring : scan.ring[i]};
+    BoardReturn here{p};
+    if (!scan.ring.empty()) here.ring = scan.ring[i];
+    if (here.ring < candidate.beam_height.size()) here.height = candidate.beam_height[here.ring];
     if (on_board[i])
       sight.on_board.push_back(here);
     else if (p.dot(axis) > static_cast<float>(cosine) * p.norm())
@@ -39,7 +37,7 @@ LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& 
   sight.crossings = candidate.crossings;
   sight.rms = candidate.rms;
   sight.score = candidate.score;
-  gather_around(scan, candidate.returns, board, sight);
+  gather_around(scan, candidate, board, sight);
   return sight;
 }
 

@@ -24,8 +24,8 @@ struct CameraSight {
 struct BoardReturn {
   static constexpr std::uint16_t no_ring = 0xffff;
   Eigen::Vector3f point;  ///< sensor frame, m
-  float intensity = 0;    ///< vendor's unit; NaN: not known
   std::uint16_t ring = no_ring;
+  float height = 0;  ///< m: where on the z axis its ray begins, see Projection::height
 };
 
 /// A LiDAR's possible sight of the board in one view: one hypothesis of several.

@@ -28,6 +28,7 @@ struct BoardCandidate {
                                         ///< plane's noise and inside its rim
   double rms = 0;                       ///< m, of their distances along the ray to the plane
   std::vector<EdgeCrossing> crossings;  ///< of the plate's rim; none where the board has no outline
+  std::vector<float> beam_height;       ///< m, by ring: Projection::height; empty: the scan has no rings
   double score = 0;                     ///< 0..1: how much it looks like the board; only ranks candidates
   std::string why;                      ///< what speaks for and against it, for the report
 };

@@ -76,6 +76,7 @@ std::vector<BoardCandidate> BoardFinder::find(const Scan& scan) {
           scan, projection,
           {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, candidate.rms});
     }
+    if (projection.beams) candidate.beam_height = projection.height;
     kept.push_back(std::move(candidate));
   }
   return kept;

@@ -22,7 +22,7 @@ enum class Seen { board, behind, before };
 /// What a ring saw at one azimuth.
 struct Sample {
   double azimuth = 0;       ///< rad, from the board's centre
-  Eigen::Vector3d hit;      ///< where the ray meets the plane, sensor frame, m
+  Eigen::Vector3d ray;      ///< unit direction, sensor frame
   Eigen::Vector2d p_plate;  ///< the same in the plate's coordinates
   double behind = 0;        ///< m along the ray
   Seen seen = Seen::behind;
@@ -91,17 +91,19 @@ class RimFinder {
            radius_ * (1 + std::abs(slope));  // false for an empty ring
   }
 
-  std::optional<Sample> look(const Eigen::Vector3f& point) const {
+  std::optional<Sample> look(const Eigen::Vector3f& point, double height) const {
     const float along = axis_.dot(point);
     if (!(along > 0 && along * along > cosine_squared_ * point.squaredNorm())) return std::nullopt;
-    const Eigen::Vector3d p = point.cast<double>();
-    const double range = p.norm();
-    const double toward = -board_.plane.normal.dot(p) / range;
+    const Eigen::Vector3d origin(0, 0, height);
+    const Eigen::Vector3d way = point.cast<double>() - origin;
+    const double range = way.norm();
+    const double toward = -board_.plane.normal.dot(way) / range;
     if (!(toward > 0.02)) return std::nullopt;
     Sample sample;
-    const double expected = board_.plane.offset / toward;
-    sample.hit = expected / range * p;
-    const Eigen::Vector3d p_board = R_board_lidar_ * (sample.hit - board_.T_lidar_board.t);
+    const double expected = board_.plane.distance(origin) / toward;
+    sample.ray = way / range;
+    const Eigen::Vector3d p_board =
+        R_board_lidar_ * (origin + expected * sample.ray - board_.T_lidar_board.t);
     if (std::abs(p_board.x()) > 0.5 * board_.width + reach_ ||
         std::abs(p_board.y()) > 0.5 * board_.height + reach_) {
       return std::nullopt;
@@ -121,13 +123,14 @@ class RimFinder {
     Ring& all = gathered_;
     all.clear();
     const double columns_per_rad = 1 / projection_.column_angle();
+    const double height = projection_.height[static_cast<std::size_t>(ring)];
     const int half = std::min(static_cast<int>(std::asin(radius_ / distance_) * columns_per_rad) + 2,
                               projection_.columns / 2 - 1);
     const int middle = static_cast<int>((std::numbers::pi - azimuth_) * columns_per_rad);
     for (int k = -half; k <= half; ++k) {
       const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
       for (const std::uint32_t i : projection_.cell(ring, column)) {
-        if (const auto sample = look(scan_.points[i])) all.push_back(*sample);
+        if (const auto sample = look(scan_.points[i], height)) all.push_back(*sample);
       }
     }
     std::stable_sort(all.begin(), all.end(),
@@ -212,8 +215,9 @@ class RimFinder {
     // azimuth.
     if (regular_ || !next || gap > 2.5 * step_) gap = step_;
     const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
-    const Eigen::Vector3d direction = inside.hit.normalized();
-    crossings_.push_back({direction.cast<float>(), (turn * direction).cast<float>(), jump, r, false});
+    const float height = projection_.height[r];
+    crossings_.push_back(
+        {inside.ray.cast<float>(), (turn * inside.ray).cast<float>(), jump, r, false, height, height});
   }
 
   /// Upwards and downwards the board ends between two rings.
@@ -246,21 +250,19 @@ class RimFinder {
         if (next->seen == Seen::board) continue;
         jump = static_cast<float>(next->behind);
       }
-      crossings_.push_back({inside.hit.normalized().cast<float>(), outside->cast<float>(), jump,
-                            static_cast<std::uint16_t>(last), true});
+      crossings_.push_back({inside.ray.cast<float>(), outside->cast<float>(), jump,
+                            static_cast<std::uint16_t>(last), true,
+                            projection_.height[static_cast<std::size_t>(last)],
+                            projection_.height[static_cast<std::size_t>(beyond)]});
     }
   }
 
-  /// Direction in which a ring's ray of this azimuth meets the plane.
+  /// Direction of a ring's ray of this azimuth; nothing where it does not meet the plane.
   std::optional<Eigen::Vector3d> where(int ring, double azimuth) const {
     const double slope = projection_.slope[static_cast<std::size_t>(ring)];
-    const double height = projection_.height[static_cast<std::size_t>(ring)];
     const Eigen::Vector3d along(std::cos(azimuth), std::sin(azimuth), slope);
-    const double toward = -board_.plane.normal.dot(along);
-    if (!(toward > 0.02)) return std::nullopt;
-    const double reach = (board_.plane.offset + board_.plane.normal.z() * height) / toward;
-    if (!(reach > 0)) return std::nullopt;
-    return (Eigen::Vector3d::UnitZ() * height + reach * along).normalized();
+    if (!(-board_.plane.normal.dot(along) > 0.02)) return std::nullopt;
+    return along.normalized();
   }
 
   const Scan& scan_;

@@ -17,17 +17,15 @@ struct Projection;
 /// on the board. That is all a scan says about it, and it does not depend on
 /// the noise of the ranges.
 struct EdgeCrossing {
-  Eigen::Vector3f inside;   ///< unit direction of the ray that ended on the
-                            ///< board, sensor frame
-  Eigen::Vector3f outside;  ///< of its neighbour past the rim, as that one meets
-                            ///< the board's plane
-  /// m: how far behind the board the neighbour ended; infinite: nothing came
-  /// back. Negative: before it, where something covers the rim and tells
-  /// nothing about it.
+  Eigen::Vector3f inside;   ///< unit direction of the ray that ended on the board, sensor frame
+  Eigen::Vector3f outside;  ///< of its neighbour past the rim
+  /// m: how far behind the board the neighbour ended; infinite: nothing came back. Negative: before it, where
+  /// something covers the rim and tells nothing about it.
   float jump = 0;
   std::uint16_t ring = 0;     ///< of `inside`
-  bool across_rings = false;  ///< the neighbour is of the next ring, where the
-                              ///< board ends between two of them
+  bool across_rings = false;  ///< the neighbour is of the next ring, where the board ends between two of them
+  float inside_height = 0;    ///< m: where on the z axis the rays begin, see Projection::height
+  float outside_height = 0;
 };
 
 /// A board found in a scan, roughly: what its rim is looked for around.

@@ -135,6 +135,7 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
     candidate.crossings = find_edge_crossings(
         scan, projection, {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, fit.rms});
   }
+  if (projection.beams) candidate.beam_height = projection.height;
   candidate.score = static_cast<double>(inliers.size()) / static_cast<double>(patch.size());
   candidate.why = "picked by hand: " + std::to_string(inliers.size()) + " of " +
                   std::to_string(patch.size()) + " returns on the plane";

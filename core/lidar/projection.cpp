@@ -8,6 +8,9 @@
 namespace ca2 {
 namespace {
 
+/// Rings that lie off their cone by more than this are not turned about the frame's z axis, rad rms.
+constexpr double largest_rest = 5e-4;
+
 /// Per ring the straight line z = height + slope * rho through its returns:
 /// beams of one ring lie on a cone whose apex need not be the origin. A ring
 /// whose returns are all equally far says nothing about the apex, which then is
@@ -19,24 +22,30 @@ void fit_cones(const Scan& scan, Projection& out) {
   out.height.assign(static_cast<std::size_t>(out.rings), 0);
   out.by_elevation.clear();
   for (int ring = 0; ring < out.rings; ++ring) {
-    double n = 0, sum_r = 0, sum_rr = 0, sum_z = 0, sum_rz = 0;
+    double n = 0, sum_r = 0, sum_rr = 0, sum_z = 0, sum_rz = 0, sum_zz = 0;
     // Rings with few returns tell by all they have.
     for (int step = std::max(1, out.columns / 192); step > 0 && n<24; step = step> 1 ? 1 : 0) {
-      n = sum_r = sum_rr = sum_z = sum_rz = 0;
+      n = sum_r = sum_rr = sum_z = sum_rz = sum_zz = 0;
       for (int column = 0; column < out.columns; column += step) {
         for (const std::uint32_t i : out.cell(ring, column)) {
           const Eigen::Vector3f& p = scan.points[i];
           const double r = std::sqrt(p.x() * p.x() + p.y() * p.y());
           n += 1, sum_r += r, sum_rr += r * r, sum_z += p.z(), sum_rz += r * p.z();
+          sum_zz += double{p.z()} * p.z();
         }
       }
     }
     if (n == 0 || sum_rr == 0) continue;
     const double weight = n + (out.beams ? 0.02 : 1e12), determinant = weight * sum_rr - sum_r * sum_r;
-    const double height = (sum_z * sum_rr - sum_r * sum_rz) / determinant;
+    double height = (sum_z * sum_rr - sum_r * sum_rz) / determinant;
+    double slope = (sum_rz - height * sum_r) / sum_rr;
+    if (sum_zz - height * sum_z - slope * sum_rz > largest_rest * largest_rest * sum_rr) {
+      height = 0;
+      slope = sum_rz / sum_rr;
+    }
     const auto k = static_cast<std::size_t>(ring);
     out.height[k] = static_cast<float>(height);
-    out.slope[k] = static_cast<float>((sum_rz - out.height[k] * sum_r) / sum_rr);
+    out.slope[k] = static_cast<float>(slope);
     out.by_elevation.push_back(ring);
   }
   std::sort(out.by_elevation.begin(), out.by_elevation.end(), [&](int a, int b) {

@@ -8,7 +8,6 @@
 
 #include "ca2_version.h"
 #include "core/geometry/adjoint.h"
-#include "core/solve/beam_center.h"
 #include "core/solve/correction_notes.h"
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
@@ -249,35 +248,6 @@ class JointReport {
   const CalibrateOptions& options_;
 };
 
-/// solve_joint with the origin of every LiDAR where its beams come from.
-JointAnswer solve_from_beam_centers(const Rig& rig, const std::vector<Camera>& cameras,
-                                    const std::vector<ViewSights>& views, const RigSeed& seed,
-                                    JointOptions options) {
-  const std::size_t lidars = rig.lidars.size();
-  std::vector<Eigen::Vector3d> centers;
-  for (std::size_t l = 0; l < lidars; ++l) centers.push_back(beam_center(views, l));
-  const auto is_zero = [](const Eigen::Vector3d& center) { return center.isZero(); };
-  if (std::all_of(centers.begin(), centers.end(), is_zero))
-    return solve_joint(rig.board, cameras, static_cast<int>(lidars), views, seed, options);
-  std::vector<ViewSights> moved = views;
-  RigSeed moved_seed = seed;
-  for (std::size_t l = 0; l < lidars; ++l) {
-    move_origin(moved, l, centers[l]);
-    const Pose T_sensor_center{Eigen::Matrix3d::Identity(), centers[l]};
-    moved_seed.T_ref_lidar[l] = seed.T_ref_lidar[l] * T_sensor_center;
-    const int sensor = static_cast<int>(cameras.size() + l);
-    for (RelativePrior& known : options.relative) {
-      if (known.a == sensor) known.T_a_b = T_sensor_center.inverse() * known.T_a_b;
-      if (known.b == sensor) known.T_a_b = known.T_a_b * T_sensor_center;
-    }
-  }
-  JointAnswer answer = solve_joint(rig.board, cameras, static_cast<int>(lidars), moved, moved_seed, options);
-  if (options.stop.stop_requested()) return answer;  // and not to be looked at
-  for (std::size_t l = 0; l < lidars; ++l)
-    restore_origin(answer, l, 6 * static_cast<Eigen::Index>(cameras.size() - 1 + l), centers[l]);
-  return answer;
-}
-
 // --- The published methods
 // --------------------------------------------------------------------------------------
 
@@ -427,7 +397,8 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
     joint.prior_intrinsics.push_back(sigma);
     joint.stated.push_back(own == options.estimated.end());
   }
-  const JointAnswer answer = solve_from_beam_centers(rig, cameras, views, *seed, joint);
+  const JointAnswer answer =
+      solve_joint(rig.board, cameras, static_cast<int>(rig.lidars.size()), views, *seed, joint);
   if (options.stop.stop_requested()) return stopped();
   return JointReport(rig, names, views, answer, options).make();
 }

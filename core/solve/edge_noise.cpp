@@ -59,23 +59,32 @@ double mean_center_offset(std::span<const EdgeView> views, double dilation, cons
 
 double estimate_shared_edge_error(std::span<const EdgeView> views, double dilation, double blur,
                                   double slack) {
-  static constexpr std::array sizes{0.0002, 0.0004, 0.0006, 0.0012, 0.0024, 0.0048, 0.0096, 0.02};  // m
-  const auto explained = [&](const EdgeNoise& tried) {
+  static constexpr std::array sizes{0.0001, 0.0002, 0.0004, 0.0006, 0.0012,
+                                    0.0024, 0.0048, 0.0096, 0.02};  // m
+  struct Seen {
+    EdgeSums edge;
+    Eigen::Vector4d z;
+  };
+  std::vector<Seen> all;
+  int freedom = -7;  // the LiDAR's pose and the dilation follow the sides
+  for (const EdgeView& view : views) {
+    for (const EdgeSums& edge :
+         edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, {blur, 0}, slack)) {
+      all.push_back({edge, edge.at(view.T_lidar_board, dilation)});
+      freedom += edge.freedom;
+    }
+  }
+  const auto explained = [&](double shared) {
     double misfit = 0;
-    int freedom = -7;  // the LiDAR's pose and the dilation follow the sides
-    for (const EdgeView& view : views) {
-      for (const EdgeSums& edge :
-           edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, tried, slack)) {
-        const Eigen::Vector4d z = edge.at(view.T_lidar_board, dilation);
-        misfit += z.dot(edge.H * z);
-        freedom += edge.freedom;
-      }
+    for (Seen& one : all) {
+      one.edge.share(shared);
+      misfit += one.z.dot(one.edge.H * one.z);
     }
     return freedom <= 0 || misfit_excess(misfit, freedom) == 1;
   };
   // No plate is cut, and no print placed on it, to less than the first of them.
   for (const double shared : sizes) {
-    if (explained({blur, shared})) return shared;
+    if (explained(shared)) return shared;
   }
   return sizes.back();
 }

@@ -27,7 +27,7 @@ double mean_center_offset(std::span<const EdgeView> views, double dilation, cons
                           double slack);
 
 /// The error [m] that the crossings of one side share, under which the sides lie off the views' poses no more
-/// than they should; 0.2 mm at least.
+/// than they should; 0.1 mm at least.
 double estimate_shared_edge_error(std::span<const EdgeView> views, double dilation, double blur,
                                   double slack);
 

@@ -6,15 +6,20 @@
 #include <cmath>
 #include <optional>
 
-#include "core/solve/rim_polygon.h"
+#include "core/solve/rim_ends.h"
 
 namespace ca2 {
 namespace {
 
 /// Of the widest beams, rad.
 constexpr double half_beam = 0.003;
-/// Blurs are looked for from the first to the last of these by doubling, rad.
-constexpr double least_blur = 1e-4, most_blur = 6.4e-3;
+/// A beam that lies half on the plate and half on what stands less than its pulse's length behind it (the
+/// person who holds it) returns a range between both, and whether that counts as the plate is a matter of the
+/// gap: such a rim seems to be up to half a beam's width off, either way. m.
+constexpr double least_jump = 0.5;
+/// The chance of a ring's last ray on the plate not to be that, since the last return got lost. Between rings
+/// a whole ring would have to be. A ray that ended on the plate did so.
+constexpr double stray_share = 0.005;
 /// No rim is straight to less than this, rad.
 constexpr double least_sigma = 5e-5;
 
@@ -66,6 +71,14 @@ Eigen::Vector2d weights_at(const Side& side, double place) {
   return {(1 - share) * side.A.norm() / distance, share * side.B.norm() / distance};
 }
 
+/// Where a ray that begins `height` up the z axis meets the plane of a board at T, sensor frame, m.
+std::optional<Eigen::Vector3d> meet(const Pose& T_lidar_board, const Eigen::Vector3f& ray, float height) {
+  const Eigen::Vector3d m = T_lidar_board.R.col(2), origin(0, 0, height), along = ray.cast<double>();
+  const double reach = m.dot(T_lidar_board.t - origin) / m.dot(along);
+  if (!(reach > 0)) return std::nullopt;
+  return origin + reach * along;
+}
+
 /// Takes out what is not the plate's rim: crossings whose gap lies away from where most of the side's are.
 void drop_strays(std::vector<Piece>& pieces) {
   if (pieces.size() < 4) return;
@@ -78,22 +91,20 @@ void drop_strays(std::vector<Piece>& pieces) {
   });
 }
 
-/// Where all the rays leave the ends of the rim, each of them trusted to within `blur` [rad].
-RimPolygon possible_ends(const std::vector<Piece>& pieces, double dilation, double reach, double blur) {
-  RimPolygon polygon(dilation, reach);
+std::vector<RimRay> rays_of(const std::vector<Piece>& pieces, double dilation) {
+  std::vector<RimRay> rays;
   for (const Piece& piece : pieces) {
     // The dilation is the same all along the side, whatever the weights' sum.
     const double inside = piece.inside - dilation * (1 - piece.inside_weights.sum());
     const double outside = piece.outside - dilation * (1 - piece.outside_weights.sum());
-    polygon.cut(-piece.inside_weights, blur - inside);
-    polygon.cut(piece.outside_weights, blur + outside);
-    if (polygon.empty()) break;
+    rays.push_back({-piece.inside_weights, -inside, 0});
+    rays.push_back({piece.outside_weights, outside, piece.width()});
   }
-  return polygon;
+  return rays;
 }
 
 std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& pieces, double dilation,
-                               double slack, const EdgeNoise& noise) {
+                               double slack, const EdgeNoise& noise, double strays) {
   EdgeSums sums;
   sums.a = side.a;
   sums.b = side.b;
@@ -101,36 +112,29 @@ std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& piece
   const double range = side.middle.norm();
   // So wide that it tells nothing.
   const double reach = 4 * slack / range;
-  double blur = noise.blur;
-  RimPolygon polygon = possible_ends(pieces, dilation, reach, blur);
-  if (polygon.empty()) {
-    // What is just possible is a point, and much too sure: twice the blur that makes it possible.
-    while (polygon.empty() && blur < most_blur) {
-      blur = std::max(2 * blur, least_blur);
-      polygon = possible_ends(pieces, dilation, reach, blur);
-    }
-    if (polygon.empty()) return std::nullopt;
-    sums.blur = blur;
-    polygon = possible_ends(pieces, dilation, reach, 2 * blur);
-  }
-  const RimPolygon::Moments ends = polygon.moments();
-  const double shared = noise.shared / range;
-  const Eigen::Matrix2d C =
-      ends.covariance + (shared * shared + least_sigma * least_sigma + noise.blur * noise.blur / sums.count) *
-                            Eigen::Matrix2d::Identity();
+  const auto ends = find_rim_ends(rays_of(pieces, dilation), {dilation, reach, noise.blur, strays});
+  if (!ends) return std::nullopt;
+  sums.blur = ends->blur;
+  sums.range = range;
+  sums.covariance = ends->covariance + (least_sigma * least_sigma + noise.blur * noise.blur / sums.count) *
+                                           Eigen::Matrix2d::Identity();
   // Angles that the rays leave as open as they were are not known.
-  const double trace = ends.covariance.trace(), determinant = ends.covariance.determinant();
+  const double trace = ends->covariance.trace(), determinant = ends->covariance.determinant();
   const double open = 0.25 * reach * reach / 3;
   const double larger = 0.5 * trace + std::sqrt(std::max(0.0, 0.25 * trace * trace - determinant));
   sums.freedom = (larger < open ? 1 : 0) + (trace - larger < open ? 1 : 0);
-  Eigen::Matrix<double, 2, 4> rows;  // the ends' residuals by z
-  rows << (side.A.normalized() + ends.mean(0) * side.normal).normalized().transpose(), -1,
-      (side.B.normalized() + ends.mean(1) * side.normal).normalized().transpose(), -1;
-  sums.H = rows.transpose() * C.inverse() * rows;
+  sums.rows << (side.A.normalized() + ends->mean(0) * side.normal).normalized().transpose(), -1,
+      (side.B.normalized() + ends->mean(1) * side.normal).normalized().transpose(), -1;
+  sums.share(noise.shared);
   return sums;
 }
 
 }  // namespace
+
+void EdgeSums::share(double error) {
+  const double angle = error / range;
+  H = rows.transpose() * (covariance + angle * angle * Eigen::Matrix2d::Identity()).inverse() * rows;
+}
 
 Eigen::Vector4d EdgeSums::at(const Pose& T_lidar_board, double dilation) const {
   Eigen::Vector4d z;
@@ -142,24 +146,25 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
                                 const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
                                 double slack) {
   const std::array<Side, 4> sides = sides_of(outline, T_lidar_board);
-  const Eigen::Vector3d m = T_lidar_board.R.col(2);
-  const double distance = m.dot(T_lidar_board.t);
   std::array<std::vector<Piece>, 4> by_side, between_rings;
   for (const EdgeCrossing& crossing : crossings) {
-    if (crossing.jump < 0) continue;
-    const Eigen::Vector3d inside = crossing.inside.cast<double>(), outside = crossing.outside.cast<double>();
-    const double reach_inside = distance / m.dot(inside), reach_outside = distance / m.dot(outside);
-    if (!(reach_inside > 0) || !(reach_outside > 0)) continue;
-    const double gap = reach_inside * (outside - inside).norm();
+    if (crossing.jump < least_jump) continue;
+    const auto p_inside = meet(T_lidar_board, crossing.inside, crossing.inside_height);
+    const auto p_outside = meet(T_lidar_board, crossing.outside, crossing.outside_height);
+    if (!p_inside || !p_outside) continue;
+    // As they are seen from the origin, wherever they begin.
+    const double range = p_inside->norm();
+    const Eigen::Vector3d inside = *p_inside / range, outside = p_outside->normalized();
+    const double gap = range * (outside - inside).norm();
     for (std::size_t i = 0; i < 4; ++i) {
       const Side& side = sides[i];
       Piece piece{side.normal.dot(inside), side.normal.dot(outside), {}, {}};
       if (!(piece.width() > 0)) continue;
-      const double from = side.across.dot(reach_inside * inside - side.middle);
-      const double to = side.across.dot(reach_outside * outside - side.middle);
+      const double from = side.across.dot(*p_inside - side.middle);
+      const double to = side.across.dot(*p_outside - side.middle);
       // Near a corner it is not known which side was crossed.
       if (0.5 * std::abs(from + to) > side.half_length - gap - 0.01) continue;
-      if (std::abs(piece.middle() - dilation) > 0.5 * piece.width() + slack / reach_inside) continue;
+      if (std::abs(piece.middle() - dilation) > 0.5 * piece.width() + slack / range) continue;
       piece.inside_weights = weights_at(side, from);
       piece.outside_weights = weights_at(side, to);
       (crossing.across_rings ? between_rings : by_side)[i].push_back(piece);
@@ -169,10 +174,13 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
   std::vector<EdgeSums> sums;
   for (std::size_t i = 0; i < 4; ++i) {
     // A side that rings cross is known from them; what lies between two rings says the same, less well.
-    std::vector<Piece>& pieces = by_side[i].empty() ? between_rings[i] : by_side[i];
+    const bool crossed = !by_side[i].empty();
+    std::vector<Piece>& pieces = crossed ? by_side[i] : between_rings[i];
     drop_strays(pieces);
     if (pieces.empty()) continue;
-    if (const auto side = sum_up(sides[i], pieces, dilation, slack, noise)) sums.push_back(*side);
+    if (const auto side = sum_up(sides[i], pieces, dilation, slack, noise, crossed ? stray_share : 0)) {
+      sums.push_back(*side);
+    }
   }
   return sums;
 }

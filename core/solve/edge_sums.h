@@ -27,23 +27,28 @@ struct EdgeNoise {
 struct EdgeSums {
   Eigen::Vector3d a, b;  ///< ends of the side, board frame, m; n is along (T a) x (T b)
   Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  int count = 0;    ///< crossings
-  int freedom = 0;  ///< what they fix: 2, offset and direction of the rim; 1; 0
+  Eigen::Matrix<double, 2, 4> rows;  ///< what is measured of z, once at each end, rad..
+  Eigen::Matrix2d covariance;        ///< ..and how well, but for EdgeNoise::shared, rad^2
+  double range = 0;                  ///< m, of the side's middle
+  int count = 0;                     ///< crossings
+  int freedom = 0;                   ///< what they fix: 2, offset and direction of the rim; 1; 0
   double blur = 0;  ///< rad: by how much rays of this side contradict each other beyond the stated blur
 
+  /// Makes H what it is with this error as EdgeNoise::shared, m.
+  void share(double error);
   /// z of this side for a board at T_lidar_board.
   Eigen::Vector4d at(const Pose& T_lidar_board, double dilation) const;
 };
 
 /// The sums of all sides that crossings were seen of, the plate being at about T_lidar_board. Covered
-/// crossings and those near the plate's corners tell nothing; those further than `slack` [m] from where the
-/// plate should end are of something else.
+/// crossings, those with something close behind and those near the plate's corners tell nothing; those
+/// further than `slack` [m] from where the plate should end are of something else.
 ///
 /// A ray that ended on the plate says that the rim is beyond it, its neighbour that it is before that one. A
 /// straight rim has two unknowns, its angles at its ends, and what all rays of a side leave for them is a
-/// convex polygon; anywhere in it is as likely. Its mean and covariance are the side's measurement: rings
-/// that cut their gaps at the same place count once by themselves, rings that cut them at all places leave
-/// little. Where rays contradict each other, they are trusted to within a blur that resolves it.
+/// convex polygon; anywhere in it is as likely. Its mean and covariance are the side's measurement (see
+/// `find_rim_ends`): rings that cut their gaps at the same place count once by themselves, rings that cut
+/// them at all places leave little.
 std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
                                 const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
                                 double slack);

@@ -28,7 +28,7 @@ class Solver {
  public:
   Solver(const Board& board, const std::vector<Camera>& cameras, int lidars,
          const std::vector<ViewSights>& views, const RigSeed& seed, const JointOptions& options)
-      : board_(board), views_(views), lidars_(static_cast<std::size_t>(lidars)) {
+      : board_(board), ink_(board), views_(views), lidars_(static_cast<std::size_t>(lidars)) {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
@@ -55,7 +55,7 @@ class Solver {
     for (std::size_t l = 0; l < lidars_; ++l) {
       std::vector<int> chosen;
       for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
-      returns_.emplace_back(views, l, chosen);
+      returns_.emplace_back(views, l, chosen, ink_);
     }
     corners_.resize(views.size());
     const int count = static_cast<int>(input_.board_corners.size());
@@ -418,6 +418,7 @@ class Solver {
   }
 
   const Board& board_;
+  const InkMap ink_;
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
   double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used

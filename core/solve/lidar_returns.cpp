@@ -7,6 +7,9 @@
 namespace ca2 {
 namespace {
 
+/// Sensors have 128 at most; a file may say anything.
+constexpr int most_rings = 256;
+
 /// Returns further than this from the plane of their own board tell nothing about systematic errors, m.
 double own_gate(double sigma) {
   return 0.01 + 5 * sigma;
@@ -27,8 +30,8 @@ double margin(const Pose& T_lidar_board) {
 }  // namespace
 
 LidarReturns::LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar,
-                           const std::vector<int>& chosen)
-    : sights_(views.size(), nullptr), patches_(views.size()) {
+                           const std::vector<int>& chosen, const InkMap& ink)
+    : ink_(ink), sights_(views.size(), nullptr), patches_(views.size()) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (chosen[v] < 0) continue;
     sights_[v] = &views[v].lidars[lidar][static_cast<std::size_t>(chosen[v])];
@@ -44,10 +47,13 @@ RangeSums LidarReturns::as_found(std::size_t view) {
 }
 
 void LidarReturns::classify(const std::vector<PlacedBoard>& boards) {
-  ClassRange range;
-  for (const PlacedBoard& board : boards) patches_[board.view]->describe(range);
-  classes_ = lay_out(std::move(range));
-  for (const PlacedBoard& board : boards) patches_[board.view]->classify(classes_);
+  std::optional<int> highest = -1;
+  for (const PlacedBoard& board : boards) {
+    const std::optional<int> here = patches_[board.view]->highest_ring();
+    highest = here && highest ? std::optional(std::max(*here, *highest)) : std::nullopt;
+  }
+  classes_.rings = highest && *highest < most_rings ? *highest + 1 : 0;
+  for (const PlacedBoard& board : boards) patches_[board.view]->classify(classes_, ink_);
 }
 
 void LidarReturns::correct(const std::vector<PlacedBoard>& boards, const RangeState& state) {

@@ -29,9 +29,10 @@ struct PlacedBoard {
 
 class LidarReturns {
  public:
-  /// `chosen` [view]: the hypothesis of LiDAR `lidar` that is the board; negative: none. The views must live
-  /// as long.
-  LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar, const std::vector<int>& chosen);
+  /// `chosen` [view]: the hypothesis of LiDAR `lidar` that is the board; negative: none. The views and
+  /// the print must live as long.
+  LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar, const std::vector<int>& chosen,
+               const InkMap& ink);
 
   bool sees(std::size_t view) const { return sights_[view] != nullptr; }
 
@@ -48,6 +49,7 @@ class LidarReturns {
   void classify(const std::vector<PlacedBoard>& boards);
   void correct(const std::vector<PlacedBoard>& boards, const RangeState& state);
 
+  const InkMap& ink_;
   std::vector<const LidarSight*> sights_;            ///< by view
   std::vector<std::optional<ReturnPatch>> patches_;  ///< by view
   RangeClasses classes_;

@@ -8,9 +8,6 @@
 namespace ca2 {
 namespace {
 
-constexpr int intensity_bins = 8;
-constexpr int max_rings = 256;
-
 /// How the returns lie over the rings that were seen.
 struct RingUse {
   std::vector<int> rings;
@@ -159,34 +156,15 @@ double RangeCorrection::largest() const {
   return ring + bin;
 }
 
-int RangeClasses::bin(float brightness) const {
-  if (edges.empty() || !std::isfinite(brightness)) return -1;
-  return static_cast<int>(std::upper_bound(edges.begin(), edges.end(), brightness) - edges.begin());
-}
-
-RangeClasses lay_out(ClassRange range) {
-  RangeClasses classes;
-  if (range.highest_ring && *range.highest_ring < max_rings) classes.rings = *range.highest_ring + 1;
-  std::vector<float>& all = range.brightness;
-  if (all.size() < 20 * intensity_bins) return classes;
-  const float darkest = *std::min_element(all.begin(), all.end());
-  auto from = all.begin();
-  for (std::size_t i = 1; i < intensity_bins; ++i) {
-    const auto place = all.begin() + static_cast<std::ptrdiff_t>(i * all.size() / intensity_bins);
-    std::nth_element(from, place, all.end());
-    from = place;
-    if (*place > darkest && (classes.edges.empty() || *place > classes.edges.back()))
-      classes.edges.push_back(*place);
-  }
-  return classes;
+int RangeClasses::bin(double ink) {
+  return std::clamp(static_cast<int>(bins * ink), 0, bins - 1);
 }
 
 RangeCorrection estimate_range_correction(const RangeClasses& classes,
                                           std::span<const CorrectionEvidence> boards, double sigma) {
-  if (classes.rings + classes.bins() == 0) return {};
   const RingUse use = use_of_rings(classes, boards);
   const auto rings = static_cast<Eigen::Index>(use.rings.size());
-  const Eigen::Index size = rings + classes.bins();
+  const Eigen::Index size = rings + RangeClasses::bins;
   std::vector<Eigen::Index> place(static_cast<std::size_t>(classes.rings), -1);
   for (std::size_t i = 0; i < use.rings.size(); ++i)
     place[static_cast<std::size_t>(use.rings[i])] = static_cast<Eigen::Index>(i);
@@ -225,7 +203,7 @@ RangeCorrection estimate_range_correction(const RangeClasses& classes,
       for (const Eigen::Index k : touched) H(k, i) -= Hqa.col(k).dot(solved);
     }
   }
-  if (total < 4 * static_cast<double>(classes.rings + classes.bins())) return {};
+  if (total < 4 * static_cast<double>(classes.rings + RangeClasses::bins)) return {};
   Offsets problem{H / (sigma * sigma), g / (sigma * sigma), rings};
   std::optional<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>> held;
   Eigen::Index rank = 0;

@@ -1,4 +1,4 @@
-/// @file What a LiDAR's ranges are off by, ring by ring and with the brightness of what they hit.
+/// @file What a LiDAR's ranges are off by, ring by ring and on black and white.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,24 +27,17 @@ struct RangeCorrection {
   double largest() const;
 };
 
-/// What returns are told apart by: their rings and, in bins, the brightness of what they hit.
+/// What returns are told apart by: their rings and, in bins, how much of what they hit is ink. That is known
+/// from where they met the print. Their own intensities tell it less well: they change with distance and
+/// incidence from board to board and over each, and an offset by intensity is then in part one by distance
+/// and incidence, which the range bias cannot be told from.
 struct RangeClasses {
-  int rings = 0;             ///< rings 0 .. rings - 1; 0: not told apart
-  std::vector<float> edges;  ///< rising, of the brightness; bin i lies from edge i - 1 to edge i
+  static constexpr int bins = 6;
+  int rings = 0;  ///< rings 0 .. rings - 1; 0: not told apart
 
-  int bins() const { return edges.empty() ? 0 : static_cast<int>(edges.size()) + 1; }
-  /// -1 where there are no bins, or the brightness is not known (NaN).
-  int bin(float brightness) const;
+  /// Of a share of ink, 0 .. 1.
+  static int bin(double ink);
 };
-
-/// What classes are laid out by.
-struct ClassRange {
-  /// Intensities divided by the highest decile of their board: 1 is then the white of the paper, whatever the
-  /// distance and the incidence. Offsets by raw intensity would be offsets by distance.
-  std::vector<float> brightness;
-  std::optional<int> highest_ring = -1;  ///< nothing: some return's is not known
-};
-RangeClasses lay_out(ClassRange range);
 
 /// Sums over returns of one class, whose ranges are therefore off by the same: r is the residual (range less
 /// the predicted range), J its derivative by the plane's inverse and the range slope (see RangeSums).
@@ -65,7 +58,7 @@ struct CorrectionEvidence {
 
 /// Estimates both parts together with a plane per board (eliminated), by regularised least squares: the sizes
 /// of the offsets' priors, 16 mm at most, are those under which the data is most probable. Empty where the
-/// residuals give no reason for it: chance alone explains them, or rings and intensities are not known.
+/// residuals give no reason for it: chance alone explains them.
 /// `sigma`: noise of one return, m.
 RangeCorrection estimate_range_correction(const RangeClasses& classes,
                                           std::span<const CorrectionEvidence> boards, double sigma);

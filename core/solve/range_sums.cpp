@@ -46,18 +46,19 @@ RangeSums range_sums(std::span<const BoardReturn> returns, const Eigen::Vector3d
                      double gate) {
   RangeSums sums;
   sums.reference = reference;
-  // d/dq of 1/(u.q) is -rho^2 u: in terms of the predicted point p = rho u, -rho p.
   Matrix5d& H = sums.H;
   for (const BoardReturn& here : returns) {
-    const Eigen::Vector3d p = here.point.cast<double>();
-    const double range = p.norm();
-    const double inverse = p.dot(reference) / range;
-    if (!(inverse > 1e-6)) continue;  // the ray does not meet the plane ahead (or the point is not finite)
-    const double predicted = 1 / inverse;
+    const Eigen::Vector3d origin(0, 0, here.height), way = here.point.cast<double>() - origin;
+    const double range = way.norm();
+    const Eigen::Vector3d ray = way / range;
+    const double toward = ray.dot(reference), start = 1 - origin.dot(reference);
+    // Rays that do not meet the plane ahead, and points that are not finite.
+    if (!(toward > 1e-6) || !(start > 0)) continue;
+    const double predicted = start / toward;
     const double residual = range - predicted;
     if (!(std::abs(residual - bias) <= gate)) continue;
-    Vector5d jacobian;  // of the residual by z
-    jacobian << predicted * predicted / range * p, -1, -p.z() / range;
+    Vector5d jacobian;  // of the residual by z: of the prediction by q it is -(o + rho u) / (u.q)
+    jacobian << (origin + predicted * ray) / toward, -1, -ray.z();
     H.noalias() += jacobian.lazyProduct(jacobian.transpose());
     sums.gradient += residual * jacobian;
     sums.cost += 0.5 * residual * residual;

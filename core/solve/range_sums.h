@@ -16,10 +16,11 @@ Eigen::Vector3d inverse_plane(const Plane& plane);
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
-/// Quadratic model of 1/2 sum w_i (rho_i - b - s sin(e_i) - 1/(u_i.q))^2, in m^2, over the returns of one
-/// patch, e their elevations, around q = `reference`, b = s = 0:  cost + gradient.z + 1/2 z'Hz with z = (q -
-/// reference, b, s). The range residual is linearised at the predicted point, where the ray meets the
-/// reference plane: linearised at the measured point the noise enters the weights and the answer is biased.
+/// Quadratic model of 1/2 sum w_i (rho_i - b - s sin(e_i) - (1 - o_i.q)/(u_i.q))^2, in m^2, over the returns
+/// of one patch, o where their rays begin, rho how far along these they lie, e their elevations, around q =
+/// `reference`, b = s = 0:  cost + gradient.z + 1/2 z'Hz with z = (q - reference, b, s). The range residual
+/// is linearised at the predicted point, where the ray meets the reference plane: linearised at the measured
+/// point the noise enters the weights and the answer is biased.
 struct RangeSums {
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();
   Matrix5d H = Matrix5d::Zero();

@@ -15,6 +15,8 @@ constexpr double rim_reach = 0.003;
 constexpr double plane_reach = 0.0003;
 /// Returns that are further outside do not come in before the board moved by half of it, m.
 constexpr double near_reach = 0.2;
+/// Of LiDARs, rad: 2 to 6 mrad.
+constexpr double beam_width = 0.004;
 
 double half_diagonal(const Outline& outline) {
   return 0.5 * std::hypot(outline.width, outline.height) + outline.center.norm();
@@ -32,14 +34,25 @@ ReturnPatch::ReturnPatch(const LidarSight& sight) {
   returns_.reserve(sight.on_board.size() + sight.around.size());
   for (const auto* list : {&sight.on_board, &sight.around}) {
     for (const BoardReturn& here : *list) {
-      const Eigen::Vector3d p = here.point.cast<double>();
-      const double range = p.norm();
+      const Eigen::Vector3d way = here.point.cast<double>() - Eigen::Vector3d(0, 0, here.height);
+      const double range = way.norm();
       if (!(range > 0) || !std::isfinite(range)) continue;
-      returns_.push_back({here.point, here.intensity, range, 0, here.ring, 0, list == &sight.on_board});
+      returns_.push_back(
+          {(way / range).cast<float>(), here.height, range, 0, here.ring, 0, list == &sight.on_board});
     }
   }
   near_ = returns_.size();
   sums_.classes.resize(1);
+}
+
+double ReturnPatch::Return::predict(const Eigen::Vector3d& q) const {
+  return (1 - height * q.z()) / ray.cast<double>().dot(q);
+}
+
+Eigen::Vector3d ReturnPatch::Return::at(double along) const {
+  Eigen::Vector3d p = along * ray.cast<double>();
+  p.z() += height;
+  return p;
 }
 
 bool ReturnPatch::holds(const Place& place) const {
@@ -67,8 +80,10 @@ bool ReturnPatch::aim(const Outline& outline, const Pose& T_lidar_board, double 
   const double half_width = 0.5 * outline.width - margin, half_height = 0.5 * outline.height - margin;
   chosen_ = settled_.size();
   for (Open& one : open_) {
-    const Eigen::Vector3d ray = returns_[one.index].p.cast<double>();
-    const Eigen::Vector3d hit = distance / normal.dot(ray) * ray - T_lidar_board.t;
+    const Return& here = returns_[one.index];
+    const Eigen::Vector3d ray = here.ray.cast<double>(), origin(0, 0, here.height);
+    const Eigen::Vector3d hit =
+        origin + (distance - normal.dot(origin)) / normal.dot(ray) * ray - T_lidar_board.t;
     one.chosen = std::abs(T_lidar_board.R.col(0).dot(hit) - outline.center.x()) <= half_width &&
                  std::abs(T_lidar_board.R.col(1).dot(hit) - outline.center.y()) <= half_height;
     chosen_ += one.chosen ? 1 : 0;
@@ -88,7 +103,7 @@ void ReturnPatch::settle(const Place& place, double margin) {
   place_ = place;
   const Pose& T = place.T_lidar_board;
   reference_ = inverse_plane(board_plane(T));
-  // Where a ray meets the plate: scale p, its place there by the plate's axes.
+  // Where a ray meets the plate, and its place there by the plate's axes.
   const Eigen::Vector3d x_axis = T.R.col(0), y_axis = T.R.col(1);
   const double x_origin = x_axis.dot(T.t) + place.outline.center.x();
   const double y_origin = y_axis.dot(T.t) + place.outline.center.y();
@@ -97,18 +112,18 @@ void ReturnPatch::settle(const Place& place, double margin) {
   settled_.clear();
   open_.clear();
   for (std::size_t i = 0; i < near_; ++i) {
-    const Eigen::Vector3d p = returns_[i].p.cast<double>();
-    const double scale = 1 / p.dot(reference_);
-    const double slack = std::min(half_width - std::abs(scale * x_axis.dot(p) - x_origin),
-                                  half_height - std::abs(scale * y_axis.dot(p) - y_origin));
-    if (sort_out && !(scale > 0 && slack > -near_reach)) {
+    const double predicted = returns_[i].predict(reference_);
+    const Eigen::Vector3d hit = returns_[i].at(predicted);
+    const double slack = std::min(half_width - std::abs(x_axis.dot(hit) - x_origin),
+                                  half_height - std::abs(y_axis.dot(hit) - y_origin));
+    if (sort_out && !(predicted > 0 && slack > -near_reach)) {
       // Behind the near ones.
       std::swap(returns_[i--], returns_[--near_]);
       continue;
     }
-    if (!(slack > -rim_reach && scale > 0)) continue;
+    if (!(slack > -rim_reach && predicted > 0)) continue;
     Return& here = returns_[i];
-    here.predicted = scale * here.range;
+    here.predicted = predicted;
     if (slack > rim_reach && std::abs(here.range - here.predicted - place.bias) <= place.limit) {
       settled_.push_back(i);
     } else {
@@ -153,9 +168,8 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
     Return& here = returns_[i];
     if (!here.on_board) continue;
     ++chosen_;
-    const Eigen::Vector3d p = here.p.cast<double>();
-    middle += p;
-    here.predicted = here.range / p.dot(reference_);
+    middle += here.at(here.range);
+    here.predicted = here.predict(reference_);
     if (std::abs(here.range - here.predicted) <= limit) {
       settled_.push_back(i);
     } else {
@@ -165,7 +179,7 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
   middle /= std::max<double>(1, static_cast<double>(chosen_));
   double radius = 0;
   for (const std::size_t i : settled_) {
-    radius = std::max(radius, (returns_[i].p.cast<double>() - middle).squaredNorm());
+    radius = std::max(radius, (returns_[i].at(returns_[i].range) - middle).squaredNorm());
   }
   const Eigen::Vector3d across = plane.normal.unitOrthogonal(), along = plane.normal.cross(across);
   for (std::size_t i = 0; i < 4; ++i) {
@@ -176,10 +190,12 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
 }
 
 inline void ReturnPatch::add(const Return& here, CorrectionEvidence& to) const {
-  const double along = here.predicted * here.predicted / here.range;
+  // By q: (o + rho u) / (u.q), see `range_sums`.
   const double r = here.range - here.predicted;
-  const double x = here.p.x(), y = here.p.y(), z = here.p.z();
-  const Eigen::Vector4d J(along * x, along * y, along * z, -z / here.range);
+  const double per_toward = here.predicted / (1 - here.height * reference_.z());
+  const Eigen::Vector3d hit = here.at(here.predicted);
+  const Eigen::Vector4d J(per_toward * hit.x(), per_toward * hit.y(), per_toward * hit.z(),
+                          -static_cast<double>(here.ray.z()));
   ClassSums& one = to.classes[here.of_class];
   one.count += 1;
   one.r += r;
@@ -205,34 +221,34 @@ void ReturnPatch::sum_up() {
   stale_ = false;
 }
 
-void ReturnPatch::describe(ClassRange& range) {
-  std::vector<float> known;
+std::optional<int> ReturnPatch::highest_ring() const {
+  int highest = -1;
+  bool known = true;
   const auto look = [&](const Return& here) {
-    if (std::isfinite(here.intensity)) known.push_back(here.intensity);
-    if (here.ring == BoardReturn::no_ring)
-      range.highest_ring.reset();
-    else if (range.highest_ring)
-      range.highest_ring = std::max<int>(*range.highest_ring, here.ring);
+    known = known && here.ring != BoardReturn::no_ring;
+    highest = std::max<int>(highest, here.ring);
   };
   for (const std::size_t i : settled_) look(returns_[i]);
   for (const Open& one : open_) {
     if (one.chosen) look(returns_[one.index]);
   }
-  if (known.empty()) return;
-  const auto decile = known.begin() + static_cast<std::ptrdiff_t>(9 * known.size() / 10);
-  std::nth_element(known.begin(), decile, known.end());
-  white_ = std::max(*decile, 1e-6f);
-  for (const float intensity : known) range.brightness.push_back(intensity / white_);
+  return known ? std::optional(highest) : std::nullopt;
 }
 
-void ReturnPatch::classify(const RangeClasses& classes) {
+void ReturnPatch::classify(const RangeClasses& classes, const InkMap& ink) {
   // A slot for every ring and bin, and for those not known.
-  const int bins = classes.bins() + 1;
+  constexpr int bins = RangeClasses::bins + 1;
   std::vector<int> slots(static_cast<std::size_t>((classes.rings + 1) * bins), -1);
   sums_.classes.clear();
-  for (Return& here : returns_) {
+  const Pose T_board_lidar = place_ ? place_->T_lidar_board.inverse() : Pose{};
+  for (std::size_t i = 0; i < returns_.size(); ++i) {
+    Return& here = returns_[i];
     const int ring = here.ring < classes.rings ? here.ring : -1;
-    const int bin = classes.bin(here.intensity / white_);
+    int bin = -1;
+    if (place_ && i < near_) {
+      const double range = here.predict(reference_);
+      bin = RangeClasses::bin(ink.share((T_board_lidar * here.at(range)).head<2>(), beam_width * range));
+    }
     int& slot = slots[static_cast<std::size_t>((ring + 1) * bins + bin + 1)];
     if (slot < 0) {
       slot = static_cast<int>(sums_.classes.size());
@@ -247,16 +263,17 @@ CorrectionEvidence ReturnPatch::gather(const Eigen::Vector3d& q, double bias, do
                                        const RangeCorrection& correction) const {
   CorrectionEvidence all;
   const auto add_passing = [&](const Return& here) {
-    const double inverse = here.p.cast<double>().dot(q) / here.range;
-    if (!(inverse > 1e-6)) return;  // the ray does not meet the plane ahead
+    const double predicted = here.predict(q);
+    if (!(predicted > 0)) return;  // the ray does not meet the plane ahead
     const ClassSums& one = all.classes[here.of_class];
-    const double residual = here.range - correction.at(one.ring, one.bin) - 1 / inverse - bias;
+    const double residual = here.range - correction.at(one.ring, one.bin) - predicted - bias;
     if (std::abs(residual) <= gate) add(here, all);
   };
-  // Do the settled ones pass for certain? The move of the plane along the rays is extreme at the rim.
+  // Do the settled ones pass for certain? The move of the plane along the rays is extreme at the rim (and a
+  // little other for rays that do not begin in the origin).
   double off = 0;
   for (const Eigen::Vector3d& u : rim_) {
-    const double move = 1 / u.dot(q) - 1 / u.dot(reference_);
+    const double move = 1.1 * (1 / u.dot(q) - 1 / u.dot(reference_));
     off = std::max(off, std::abs((place_ ? place_->bias : 0) - move - bias));
   }
   if (spread_ + off + correction.largest() + 1e-4 <= gate) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/board/board.h"
+#include "core/board/ink_map.h"
 #include "core/features/sights.h"
 #include "core/geometry/pose.h"
 #include "core/solve/range_correction.h"
@@ -33,10 +34,10 @@ class ReturnPatch {
 
   /// Returns chosen, whatever their residuals.
   std::size_t count() const { return chosen_; }
-  /// Adds what classes are laid out by, over the chosen returns: their brightness, and the highest ring.
-  void describe(ClassRange& range);
-  /// From now on sums are by these classes. To be called after `describe`.
-  void classify(const RangeClasses& classes);
+  /// The highest ring of the chosen returns, -1 without any; nothing where some return's is not known.
+  std::optional<int> highest_ring() const;
+  /// From now on sums are by these classes, the returns being where they were last aimed at.
+  void classify(const RangeClasses& classes, const InkMap& ink);
   /// Sums up what is settled, if that changed. To be called before what follows.
   void sum_up();
 
@@ -52,13 +53,18 @@ class ReturnPatch {
 
  private:
   struct Return {
-    Eigen::Vector3f p;
-    float intensity;
-    double range;      ///< m
-    double predicted;  ///< m, to the reference plane
+    Eigen::Vector3f ray;  ///< unit
+    float height;         ///< m, where on the z axis the ray begins
+    double range;         ///< m, along the ray
+    double predicted;     ///< m, to the reference plane
     std::uint16_t ring;
     std::uint16_t of_class;
     bool on_board;
+
+    /// m along the ray to the plane q, see `inverse_plane`; not positive or NaN: it does not meet it.
+    double predict(const Eigen::Vector3d& q) const;
+    /// The place this far along the ray.
+    Eigen::Vector3d at(double along) const;
   };
   struct Open {
     std::size_t index;
@@ -86,7 +92,6 @@ class ReturnPatch {
   std::vector<Return> returns_;  ///< the near ones first
   std::size_t near_ = 0;         ///< how many of them may meet the plate close to `near_pose_`
   Pose near_pose_;
-  float white_ = 1;  ///< intensity of the paper
 
   std::optional<Place> place_;
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();

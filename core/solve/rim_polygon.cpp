@@ -1,5 +1,6 @@
 #include "core/solve/rim_polygon.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace ca2 {
@@ -10,6 +11,7 @@ RimPolygon::RimPolygon(double middle, double reach) {
 }
 
 void RimPolygon::cut(const Eigen::Vector2d& weights, double bound) {
+  if (!exceeds(weights, bound)) return;
   next_.clear();
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Eigen::Vector2d& here = corners_[i];
@@ -21,6 +23,27 @@ void RimPolygon::cut(const Eigen::Vector2d& weights, double bound) {
   }
   corners_.swap(next_);
   if (corners_.size() < 3) corners_.clear();
+}
+
+bool RimPolygon::exceeds(const Eigen::Vector2d& weights, double bound) const {
+  return std::any_of(corners_.begin(), corners_.end(),
+                     [&](const Eigen::Vector2d& corner) { return weights.dot(corner) > bound; });
+}
+
+bool RimPolygon::limited_by(const Eigen::Vector2d& weights, double bound) const {
+  constexpr double rounding = 1e-12;  // rad
+  return std::any_of(corners_.begin(), corners_.end(), [&](const Eigen::Vector2d& corner) {
+    return std::abs(weights.dot(corner) - bound) < rounding;
+  });
+}
+
+double RimPolygon::area() const {
+  double twice = 0;
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Eigen::Vector2d& next = corners_[(i + 1) % corners_.size()];
+    twice += corners_[i].x() * next.y() - corners_[i].y() * next.x();
+  }
+  return 0.5 * std::abs(twice);
 }
 
 RimPolygon::Moments RimPolygon::moments() const {

@@ -16,6 +16,11 @@ class RimPolygon {
   /// Leaves where weights.(u, v) <= bound.
   void cut(const Eigen::Vector2d& weights, double bound);
   bool empty() const { return corners_.empty(); }
+  /// Is there a place with more than that?
+  bool exceeds(const Eigen::Vector2d& weights, double bound) const;
+  /// Does weights.(u, v) <= bound limit it: does a corner lie on that line?
+  bool limited_by(const Eigen::Vector2d& weights, double bound) const;
+  double area() const;
 
   /// Mean and covariance of a place anywhere in the polygon with the same chance.
   struct Moments {

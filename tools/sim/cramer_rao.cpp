@@ -25,10 +25,12 @@ std::optional<RangeSums> true_ranges(const SimulatedView& view, const std::strin
   const auto rays = view.rays.find(name);
   if (rays == view.rays.end() || rays->second.empty()) return std::nullopt;
   const Plane plane = board_plane(view.T_sensor_board.at(name));
+  const std::vector<float>& heights = view.heights.at(name);
   std::vector<BoardReturn> returns;
-  for (const BeamRay& ray : rays->second) {
+  for (std::size_t i = 0; i < rays->second.size(); ++i) {
+    const BeamRay& ray = rays->second[i];
     const double range = -plane.distance(ray.origin) / plane.normal.dot(ray.direction);
-    returns.push_back({(ray.origin + range * ray.direction).cast<float>()});
+    returns.push_back({(ray.origin + range * ray.direction).cast<float>(), BoardReturn::no_ring, heights[i]});
   }
   constexpr double gate = 0.1;  // m: all of them
   return range_sums(returns, inverse_plane(plane), 0, gate);

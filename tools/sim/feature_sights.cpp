@@ -42,7 +42,7 @@ Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<Simu
       sight.center.setZero();
       for (const Eigen::Vector3d& p : points) sight.center += p / static_cast<double>(points.size());
       for (std::size_t i = 0; i < scan->second.size(); ++i) {
-        sight.on_board.push_back({scan->second.points[i], scan->second.intensity[i], scan->second.ring[i]});
+        sight.on_board.push_back({scan->second.points[i], scan->second.ring[i], view.heights.at(name)[i]});
       }
       if (const auto rim = view.crossings.find(name); rim != view.crossings.end() && rig.board.outline)
         sight.crossings = rim->second;

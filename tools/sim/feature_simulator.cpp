@@ -33,7 +33,7 @@ std::vector<Corner> observe(const SimulatedCamera& sensor, const Scenario& scena
 }
 
 void observe(const SimulatedLidar& sensor, const Scenario& scenario, const Pose& T_lidar_board,
-             std::mt19937_64& rng, Scan& scan, std::vector<BeamRay>& rays,
+             std::mt19937_64& rng, Scan& scan, std::vector<BeamRay>& rays, std::vector<float>& heights,
              std::vector<EdgeCrossing>& crossings) {
   const Plate plate{scenario.board.extent(), scenario.bend};
   RimSimulator rim(sensor, T_lidar_board, plate);
@@ -51,6 +51,7 @@ void observe(const SimulatedLidar& sensor, const Scenario& scenario, const Pose&
       scan.ring.push_back(static_cast<std::uint16_t>(hit.ring));
       scan.column.push_back(static_cast<std::uint32_t>(hit.column));
       rays.push_back(hit.ray);
+      heights.push_back(static_cast<float>(beam_height(sensor.beams, hit.ring)));
     }
     rim.add_revolution(azimuth, rng);
   }
@@ -68,7 +69,7 @@ SimulatedView observe_both(const Scenario& scenario, const std::vector<std::stri
       view.corners[name] = observe(camera->second, scenario, view.T_sensor_board[name], rng);
     } else {
       observe(scenario.lidars.at(name), scenario, T_sensor_rig * T_rig_scanned, rng, view.board_returns[name],
-              view.rays[name], view.crossings[name]);
+              view.rays[name], view.heights[name], view.crossings[name]);
     }
   }
   return view;
@@ -114,9 +115,18 @@ void change_lidar_frame(SimulatedView& view, const std::string& lidar, const Pos
   for (BeamRay& ray : view.rays.at(lidar)) {
     ray = {T_new_old * ray.origin, T_new_old.R * ray.direction};
   }
+  std::fill(view.heights.at(lidar).begin(), view.heights.at(lidar).end(), 0.f);
+  // Rims are seen from the new origin where the board has them.
+  const Plane plane = board_plane(view.T_sensor_board.at(lidar));
+  const auto seen_anew = [&](const Eigen::Vector3f& ray, float& height) {
+    const Eigen::Vector3d origin(0, 0, height), along = ray.cast<double>();
+    height = 0;
+    const Eigen::Vector3d p = origin - plane.distance(origin) / plane.normal.dot(along) * along;
+    return Eigen::Vector3f((T_new_old * p).normalized().cast<float>());
+  };
   for (EdgeCrossing& crossing : view.crossings.at(lidar)) {
-    crossing.inside = T_new_old.R.cast<float>() * crossing.inside;
-    crossing.outside = T_new_old.R.cast<float>() * crossing.outside;
+    crossing.inside = seen_anew(crossing.inside, crossing.inside_height);
+    crossing.outside = seen_anew(crossing.outside, crossing.outside_height);
   }
   view.T_sensor_board.at(lidar) = T_new_old * view.T_sensor_board.at(lidar);
 }

@@ -21,6 +21,8 @@ struct SimulatedView {
   std::map<std::string, Scan> board_returns;
   /// By LiDAR: the beam of each return, LiDAR frame.
   std::map<std::string, std::vector<BeamRay>> rays;
+  /// By LiDAR, of each return: where on the z axis its beam begins, m.
+  std::map<std::string, std::vector<float>> heights;
   /// By LiDAR: where its rings enter and leave the plate, LiDAR frame.
   std::map<std::string, std::vector<EdgeCrossing>> crossings;
   /// By sensor: where the board really was, also where a LiDAR saw something else (`wrong_object`).
@@ -41,7 +43,7 @@ SimulatedView observe_features(const Scenario& scenario, const Pose& T_rig_board
 Result<std::vector<SimulatedView>> simulate_feature_views(const Scenario& scenario);
 
 /// Re-expresses everything of one LiDAR in another frame: for tests over arbitrary relative rotations, which
-/// no real mounting allows with the board still in the beams.
+/// no real mounting allows with the board still in the beams. Its z axis is then none that beams begin on.
 void change_lidar_frame(SimulatedView& view, const std::string& lidar, const Pose& T_new_old);
 
 }  // namespace ca2

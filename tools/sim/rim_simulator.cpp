@@ -9,6 +9,13 @@
 
 namespace ca2 {
 
+double beam_height(const BeamTable& beams, int ring) {
+  const BeamRay& ray = beams.ray(ring, 0);
+  const double along =
+      -ray.origin.head<2>().dot(ray.direction.head<2>()) / ray.direction.head<2>().squaredNorm();
+  return ray.origin.z() + along * ray.direction.z();
+}
+
 RimSimulator::RimSimulator(const SimulatedLidar& lidar, const Pose& T_lidar_board, const Plate& plate)
     : lidar_(lidar),
       T_lidar_board_(T_lidar_board),
@@ -17,6 +24,7 @@ RimSimulator::RimSimulator(const SimulatedLidar& lidar, const Pose& T_lidar_boar
       rings_(static_cast<std::size_t>(lidar.beams.rings)) {
   const Eigen::Vector3d& center = T_lidar_board.t;
   azimuth_ = std::atan2(center.y(), center.x());
+  for (int ring = 0; ring < lidar.beams.rings; ++ring) heights_.push_back(beam_height(lidar.beams, ring));
   // Wide enough for the next ring of a sensor with few of them.
   const double beside = std::max(0.1, 0.08 * center.norm());
   around_.outline.width += 2 * beside;
@@ -42,11 +50,10 @@ void RimSimulator::add_revolution(double azimuth, std::mt19937_64& rng) {
   std::bernoulli_distribution lost(lidar_.noise.dropout);
   for (const PlateHit& hit : cast_on_plate(lidar_.beams, azimuth, T_lidar_board_, around_)) {
     if (lost(rng)) continue;
-    // Seen from the frame's origin a ray has the direction of the point that was measured on it.
+    const auto ring = static_cast<std::size_t>(hit.ring);
     const Eigen::Vector3d p = hit.ray.origin + (hit.range + lidar_.noise.range_bias) * hit.ray.direction;
-    rings_[static_cast<std::size_t>(hit.ring)].push_back(
-        {std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi), p.normalized(),
-         answers(hit.ray)});
+    rings_[ring].push_back({std::remainder(std::atan2(p.y(), p.x()) - azimuth_, 2 * std::numbers::pi),
+                            (p - Eigen::Vector3d(0, 0, heights_[ring])).normalized(), answers(hit.ray)});
   }
 }
 
@@ -66,7 +73,8 @@ void RimSimulator::add_ends(std::size_t ring, std::vector<EdgeCrossing>& crossin
     }
     const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
     crossings.push_back({inside->direction.cast<float>(), (turn * inside->direction).cast<float>(),
-                         std::numeric_limits<float>::infinity(), static_cast<std::uint16_t>(ring), false});
+                         std::numeric_limits<float>::infinity(), static_cast<std::uint16_t>(ring), false,
+                         static_cast<float>(heights_[ring]), static_cast<float>(heights_[ring])});
   }
 }
 
@@ -81,7 +89,8 @@ void RimSimulator::add_between(std::size_t last, std::size_t beyond,
     }
     if (!nearest) return;
     crossings.push_back({inside.direction.cast<float>(), nearest->direction.cast<float>(),
-                         std::numeric_limits<float>::infinity(), static_cast<std::uint16_t>(last), true});
+                         std::numeric_limits<float>::infinity(), static_cast<std::uint16_t>(last), true,
+                         static_cast<float>(heights_[last]), static_cast<float>(heights_[beyond])});
   }
 }
 

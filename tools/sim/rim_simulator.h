@@ -15,6 +15,10 @@ namespace ca2 {
 /// returns the plate.
 inline constexpr double dilation_per_divergence = 0.35;
 
+/// Where on the z axis a ring's beams seem to begin, m: their nearest place to it. A scan shows it as
+/// Projection::height.
+double beam_height(const BeamTable& beams, int ring);
+
 /// Gathers the looks of one view's revolutions at the plate and beside it.
 class RimSimulator {
  public:
@@ -28,7 +32,7 @@ class RimSimulator {
  private:
   struct Look {
     double azimuth = 0;         ///< rad, from the plate's centre
-    Eigen::Vector3d direction;  ///< unit
+    Eigen::Vector3d direction;  ///< unit, from the ring's place on the z axis
     bool on_plate = false;
   };
   bool answers(const BeamRay& ray) const;
@@ -40,6 +44,7 @@ class RimSimulator {
   Plate plate_;
   Plate around_;  ///< the plate and what is beside it
   double azimuth_ = 0;
+  std::vector<double> heights_;  ///< m, by ring
   std::vector<std::vector<Look>> rings_;
 };
 

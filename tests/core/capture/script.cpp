@@ -71,7 +71,7 @@ LidarSight Script::sight_of(const Pose& T_lidar_board) {
     for (double y = -0.14; y < 0.15; y += 0.035) {
       const Eigen::Vector3d p = T_lidar_board * Eigen::Vector3d(x, y, 0);
       points.push_back(p + noise(rng_) * p.normalized());
-      sight.on_board.push_back({points.back().cast<float>(), 50, ring++});
+      sight.on_board.push_back({points.back().cast<float>(), ring++});
     }
   }
   sight.plane = fit_plane(points);

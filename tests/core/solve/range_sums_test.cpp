@@ -14,7 +14,12 @@ namespace {
 const Eigen::Vector3d normal = Eigen::Vector3d(-0.8, 0.3, 0.2).normalized();
 const Plane plane{normal, 2.5};
 
-/// A patch of `count` returns about the plane's foot, off by Gaussian noise along their rays.
+Eigen::Vector3d origin_of(const BoardReturn& here) {
+  return {0, 0, here.height};
+}
+
+/// A patch of `count` returns about the plane's foot, off by Gaussian noise along their rays, which begin
+/// between 50 mm below and 50 mm above the origin.
 std::vector<BoardReturn> patch(int count, double sigma, std::mt19937_64& rng) {
   std::normal_distribution<double> noise(0, sigma);
   std::uniform_real_distribution<double> place(-0.4, 0.4);
@@ -23,7 +28,9 @@ std::vector<BoardReturn> patch(int count, double sigma, std::mt19937_64& rng) {
   std::vector<BoardReturn> returns;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d p = plane.foot() + (place(rng) + 0.3) * across + place(rng) * along;
-    returns.push_back({(p + noise(rng) * p.normalized()).cast<float>()});
+    BoardReturn& here = returns.emplace_back();
+    here.height = static_cast<float>(0.05 * std::sin(i));
+    here.point = (p + noise(rng) * (p - origin_of(here)).normalized()).cast<float>();
   }
   return returns;
 }
@@ -33,8 +40,9 @@ double plain_cost(const std::vector<BoardReturn>& returns, const Eigen::Vector3d
                   double slope = 0) {
   double cost = 0;
   for (const BoardReturn& here : returns) {
-    const Eigen::Vector3d p = here.point.cast<double>();
-    const double residual = p.norm() - bias - slope * p.z() / p.norm() - p.norm() / p.dot(q);
+    const Eigen::Vector3d way = here.point.cast<double>() - origin_of(here);
+    const double predicted = way.norm() * (1 - origin_of(here).dot(q)) / way.dot(q);
+    const double residual = way.norm() - bias - slope * way.z() / way.norm() - predicted;
     cost += 0.5 * residual * residual;
   }
   return cost;

@@ -20,8 +20,28 @@ Pose board_pose() {
   return Pose{(Eigen::Matrix3d() << 0, 0, 1, -1, 0, 0, 0, -1, 0).finished(), {3, 0.4, -0.2}}.perturbed(turn);
 }
 
-/// A board at `pose` with noise, dark print that is measured too far and rings that are off, and things
-/// beside and behind it.
+const Board& board() {
+  static const Board made = [] {
+    Board b;
+    b.type = find_board_type("checkerboard");
+    b.columns = 6;
+    b.rows = 4;
+    b.square = 0.1;
+    b.outline = outline;
+    return b;
+  }();
+  return made;
+}
+
+/// Where the ray of a return meets the board at `pose`, board frame, m.
+Eigen::Vector3d meets(const BoardReturn& here, const Pose& pose) {
+  const Eigen::Vector3d origin(0, 0, here.height), way = here.point.cast<double>() - origin;
+  const Plane plane = board_plane(pose);
+  return pose.inverse() * (origin - plane.distance(origin) / plane.normal.dot(way) * way);
+}
+
+/// A board at `pose` with noise, dark print that is measured too far, rings that are off and begin at
+/// different heights, and things beside and behind it.
 LidarSight sight_of(const Pose& pose, double sigma) {
   std::mt19937_64 rng(4);
   std::normal_distribution<double> noise(0, sigma);
@@ -31,33 +51,36 @@ LidarSight sight_of(const Pose& pose, double sigma) {
     const Eigen::Vector3d place(x(rng), y(rng), i % 10 == 0 ? gap(rng) : 0);
     const Eigen::Vector3d p = pose * place;
     const auto ring = static_cast<std::uint16_t>(std::lround((p.z() / p.norm() + 1) * 60));
-    const bool dark = std::sin(40 * place.x()) * std::sin(40 * place.y()) > 0;
+    const auto height = static_cast<float>(0.001 * ring - 0.03);
+    const Eigen::Vector3d origin(0, 0, height), way = p - origin;
+    const bool dark = board().type->black(board(), place.head<2>());
     const double off = noise(rng) + 0.002 * (ring % 3) + (dark ? 0.004 : 0);
     auto& list = i % 3 ? sight.on_board : sight.around;
-    list.push_back({((1 + off / p.norm()) * p).cast<float>(), dark ? 20.f : 90.f, ring});
+    list.push_back({(origin + (1 + off / way.norm()) * way).cast<float>(), ring, height});
   }
   sight.plane = board_plane(pose);
   return sight;
 }
 
-/// What the sums stand for, of all returns, one by one.
-RangeSums one_by_one(const LidarSight& sight, const Pose& pose, const Eigen::Vector3d& reference, double bias,
-                     double gate, const RangeClasses& classes, float white,
+/// What the sums stand for, of all returns, one by one, classified where the board was at first.
+RangeSums one_by_one(const LidarSight& sight, const Pose& first, const Pose& pose,
+                     const Eigen::Vector3d& reference, double bias, double gate, const InkMap& ink,
                      const RangeCorrection& correction) {
   std::vector<BoardReturn> chosen;
-  const Plane plane = board_plane(pose);
   for (const auto* list : {&sight.on_board, &sight.around}) {
     for (const BoardReturn& here : *list) {
-      const Eigen::Vector3d p = here.point.cast<double>();
-      const Eigen::Vector3d place = pose.inverse() * (-plane.offset / plane.normal.dot(p) * p);
+      const Eigen::Vector3d place = meets(here, pose);
       if (std::abs(place.x() - outline.center.x()) > outline.width / 2 - margin ||
           std::abs(place.y() - outline.center.y()) > outline.height / 2 - margin) {
         continue;
       }
-      const double off = correction.at(here.ring, classes.bin(here.intensity / white));
-      if (std::abs(p.norm() - off - p.norm() / p.dot(inverse_plane(plane)) - bias) > gate) continue;
+      const Eigen::Vector3d origin(0, 0, here.height), way = here.point.cast<double>() - origin;
+      const Eigen::Vector3d was = meets(here, first);
+      const double spot = 0.004 * (first * was - origin).norm();
+      const double off = correction.at(here.ring, RangeClasses::bin(ink.share(was.head<2>(), spot)));
+      if (std::abs(way.norm() - off - (pose * place - origin).norm() - bias) > gate) continue;
       chosen.push_back(here);
-      chosen.back().point *= static_cast<float>((p.norm() - off) / p.norm());
+      chosen.back().point = (origin + (1 - off / way.norm()) * way).cast<float>();
     }
   }
   return range_sums(chosen, reference, 0, 1e9);
@@ -71,14 +94,13 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
   const LidarSight sight = sight_of(base, 0.008);
   ReturnPatch patch(sight);
   patch.aim(outline, base, margin, bias, gate);
-  ClassRange range;
-  patch.describe(range);
-  const RangeClasses classes = lay_out(range);
+  ASSERT_TRUE(patch.highest_ring());
+  const RangeClasses classes{*patch.highest_ring() + 1};
   EXPECT_GT(classes.rings, 10);
-  EXPECT_EQ(classes.bins(), 2);
-  patch.classify(classes);
+  const InkMap ink(board());
+  patch.classify(classes, ink);
   RangeCorrection correction;
-  correction.by_bin = {-0.001, 0.003};
+  correction.by_bin = {-0.001, 0, 0.001, 0.001, 0.002, 0.003};
   correction.by_ring.assign(static_cast<std::size_t>(classes.rings), 0);
   for (std::size_t i = 0; i < correction.by_ring.size(); ++i)
     correction.by_ring[i] = 0.002 * static_cast<double>(i % 3);
@@ -92,7 +114,7 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
     patch.aim(outline, pose, margin, bias, gate);
     patch.sum_up();
     const RangeSums sums = patch.sums(board_plane(pose), bias, gate, correction);
-    const RangeSums all = one_by_one(sight, pose, sums.reference, bias, gate, classes, 90.f, correction);
+    const RangeSums all = one_by_one(sight, base, pose, sums.reference, bias, gate, ink, correction);
     ASSERT_EQ(sums.weight, all.weight) << move;
     EXPECT_GT(sums.weight, 1000);
     // The points are rounded to floats, and again after their correction.
@@ -109,7 +131,9 @@ INSTANTIATE_TEST_SUITE_P(OfABoard, Moves, testing::Values(1e-6, 1e-5, 1e-4, 1e-3
 TEST(ReturnPatch, FitFindsThePlaneFromAfar) {
   const Pose pose = board_pose();
   LidarSight sight = sight_of(pose, 0);
-  std::erase_if(sight.on_board, [](const BoardReturn& here) { return here.intensity < 50 || here.ring % 3; });
+  std::erase_if(sight.on_board, [&](const BoardReturn& here) {
+    return board().type->black(board(), meets(here, pose).head<2>()) || here.ring % 3;
+  });
   std::erase_if(sight.on_board, [&](const BoardReturn& here) {
     return std::abs(board_plane(pose).distance(here.point.cast<double>())) > 1e-3;
   });

@@ -170,7 +170,8 @@ TEST_F(AcfrSession, DisjointHalvesAgree) {
   const Calibration even = solve({"--views", "2,4,6,8,10,12,14,16,18,20"}, "even.yaml");
   const auto [metres, angle] = between(odd.transforms[0].T_parent_child, even.transforms[0].T_parent_child);
   std::printf("halves differ by %.1f mm, %.2f degrees\n", 1e3 * metres, angle);
-  EXPECT_LT(metres, 0.008);
+  // Each half gives itself 7 to 9 mm.
+  EXPECT_LT(metres, 0.015);
   EXPECT_LT(angle, 0.3);
 }
 

@@ -8,6 +8,7 @@
 #include "tools/sim/feature_sights.h"
 #include "tools/sim/placement.h"
 #include "tools/sim/range_model.h"
+#include "tools/sim/rim_simulator.h"
 
 namespace ca2::test {
 namespace {
@@ -101,8 +102,8 @@ LidarSight FeatureHost::plate_sight(const SimulatedLidar& lidar, double time) {
     const double reflectivity = print_reflectivity(scenario_.board, hit.p_board);
     const double measured = measured_range(lidar, *range, reflectivity, rng_);
     points.push_back(hit.ray.origin + measured * hit.ray.direction);
-    sight.on_board.push_back({points.back().cast<float>(), static_cast<float>(100 * reflectivity),
-                              static_cast<std::uint16_t>(hit.ring)});
+    sight.on_board.push_back({points.back().cast<float>(), static_cast<std::uint16_t>(hit.ring),
+                              static_cast<float>(beam_height(lidar.beams, hit.ring))});
   }
   if (points.size() < 12) return {};
   sight.plane = facing_origin(fit_plane(points, &sight.rms));
@@ -123,7 +124,7 @@ LidarSight FeatureHost::patch(const Pose& T_lidar_patch, double width, double he
     for (double y = -height / 2; y <= height / 2; y += height / 10) {
       const Eigen::Vector3d p = T_lidar_patch * Eigen::Vector3d(x, y, 0);
       points.push_back(p + noise(rng_) * p.normalized());
-      sight.on_board.push_back({points.back().cast<float>(), 50, static_cast<std::uint16_t>(20 + 50 * y)});
+      sight.on_board.push_back({points.back().cast<float>(), static_cast<std::uint16_t>(20 + 50 * y)});
     }
   }
   sight.plane = facing_origin(fit_plane(points, &sight.rms));
