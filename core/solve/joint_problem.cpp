@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/geometry/adjoint.h"
+#include "core/geometry/scaled_inverse.h"
 #include "core/solve/lidar_terms.h"
 
 namespace ca2 {
@@ -390,6 +391,30 @@ Eigen::MatrixXd JointProblem::information() const {
     total += share;
   }
   return total;
+}
+
+double JointProblem::lidar_place_sigma() const {
+  const auto covariance = scaled_inverse(information());
+  if (!covariance) return std::numeric_limits<double>::infinity();
+  double largest = 0;
+  for (int l = 0; l < lidars_; ++l) {
+    const Eigen::Index i = lidar_pose_index(l) + 3;
+    largest = std::max(largest, covariance->block<3, 3>(i, i).trace());
+  }
+  return std::sqrt(largest);
+}
+
+double JointProblem::range_rms(const State& state, std::size_t view) const {
+  double weight = 0, squares = 0;
+  for (int l = 0; l < lidars_; ++l) {
+    const auto k = static_cast<std::size_t>(l);
+    const std::optional<RangeSums>& sums = input_.views[view].ranges[k];
+    if (!sums) continue;
+    const Eigen::Vector3d q = inverse_plane(board_plane(sensor_board(state, cameras_ + l, view)));
+    squares += 2 * std::max(0.0, sums->at(sums->z(q, state.range_bias[k], state.range_slope[k])));
+    weight += sums->weight;
+  }
+  return weight > 0 ? std::sqrt(squares / weight) : 0;
 }
 
 }  // namespace ca2

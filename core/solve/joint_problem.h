@@ -96,6 +96,12 @@ class JointProblem {
     return corners_[view][static_cast<std::size_t>(camera)];
   }
 
+  /// Standard deviation of the LiDARs' places at the state last linearised, m, the largest; infinite where
+  /// they are not determined.
+  double lidar_place_sigma() const;
+  /// Of a view's ranges off the board, over all LiDARs, m; 0 without any.
+  double range_rms(const State& state, std::size_t view) const;
+
   int globals() const { return globals_; }
   int camera_pose_index(int camera) const { return 6 * (camera - 1); }  ///< camera > 0
   int lidar_pose_index(int lidar) const { return lidar_poses_ + 6 * lidar; }

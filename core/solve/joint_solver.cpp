@@ -21,6 +21,10 @@ constexpr double chi2_bound_6 = 27.9;
 /// How far boards may move before corners are projected anew, rad and of their distance: while returns and
 /// noise are still being settled, and for the answer. The neglected second order is the square of it.
 constexpr double coarse_reach = 3e-4, fine_reach = 3e-6;
+/// Standard deviation of a LiDAR's place from which on rays choose the returns, m.
+constexpr double well_placed = 0.01;
+/// And from as many views on they do in any case: only what rays choose can be rid of the lasers' own errors.
+constexpr std::size_t enough_views = 5;
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
 
@@ -76,12 +80,12 @@ class Solver {
   JointAnswer run() {
     for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
-    solve(Returns::as_found);
+    solve();
     // Only the second time round are returns and noise those of the solution, and views to be blamed.
-    solve(Returns::by_ray);
-    solve(Returns::by_ray);
+    solve();
+    solve();
     if (!stopping()) question_corners();
-    while (!stopping() && drop_worst()) solve(Returns::by_ray);
+    while (!stopping() && drop_worst()) solve();
     if (!stopping()) explain_misfit();
     if (!stopping()) finish();
     if (!stopping()) add_edges();
@@ -89,8 +93,6 @@ class Solver {
   }
 
  private:
-  enum class Returns { as_found, by_ray };
-
   int sensors_in(std::size_t v) const {
     int count = 0;
     for (const auto& corners : corners_[v]) count += corners.empty() ? 0 : 1;
@@ -109,7 +111,7 @@ class Solver {
   }
 
   /// Fills input_ for the views in use (with their indices in active_).
-  void prepare(Returns returns) {
+  void prepare() {
     choose_views();
     input_.nuisances.reset();
     input_.range_sigma = answer_.range_sigma;
@@ -119,7 +121,7 @@ class Solver {
       view.ranges.assign(lidars_, std::nullopt);
       view.edges.assign(lidars_, {});
     }
-    for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l, returns);
+    for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l);
     if (edge_slack_ > 0) prepare_edges();
   }
 
@@ -137,13 +139,13 @@ class Solver {
   }
 
   /// The sums of one LiDAR's returns in every view in use.
-  void prepare_ranges(std::size_t l, Returns returns) {
+  void prepare_ranges(std::size_t l) {
     std::vector<PlacedBoard> boards;
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];
       if (!returns_[l].sees(v)) continue;
-      if (returns == Returns::as_found) {
+      if (!placed_) {
         input_.views[i].ranges[l] = returns_[l].as_found(v);
       } else {
         boards.push_back({v, outlines_[v], T_lidar_board(v, l)});
@@ -171,9 +173,9 @@ class Solver {
 
   bool stopping() const { return stop_.stop_requested(); }
 
-  void solve(Returns returns) {
+  void solve() {
     if (stopping()) return;
-    prepare(returns);
+    prepare();
     estimate_range_noise();
     marginalize_view_errors();
     JointState active = active_state();
@@ -183,7 +185,14 @@ class Solver {
     for (std::size_t i = 0; i < active_.size(); ++i)
       answer_.views[active_[i]].misfit = problem_->misfit(active, i);
     take(std::move(active));
+    placed_ = boards_are_placed();
     estimate_corner_noise();
+  }
+
+  /// Is it known well enough where the LiDARs are for rays to tell which returns are the boards'? Three
+  /// views' planes may leave it open by centimetres, and returns chosen by a wrong place make that worse.
+  bool boards_are_placed() const {
+    return active_.size() >= enough_views || problem_->lidar_place_sigma() < well_placed;
   }
 
   /// Noise of one return, from the residuals to each view's own plane (3 degrees of freedom each).
@@ -231,7 +240,7 @@ class Solver {
     for (int step = 0; step < 8; ++step) {
       const double middle = 0.5 * (low + high);
       answer_.view_sigma.assign(lidars_, std::exp(middle));
-      solve(Returns::by_ray);
+      solve();
       const Misfit now = total_misfit();
       (now.lidars > now.lidar_freedom ? low : high) = middle;
     }
@@ -239,7 +248,7 @@ class Solver {
     if (misfit_excess(after.lidars, after.lidar_freedom) == 1) return;
     // It is not the LiDARs that disagree: the covariance makes up for it instead.
     answer_.view_sigma.assign(lidars_, 0);
-    solve(Returns::by_ray);
+    solve();
   }
 
   /// What LiDAR `l` saw of the plate's rim in a view.
@@ -307,7 +316,7 @@ class Solver {
         if (slack < 0.05)
           noise.shared = estimate_shared_edge_error(views, state_.dilation[l], noise.blur, slack);
       }
-      solve(Returns::by_ray);
+      solve();
       if (answer_.edges == 0) break;
     }
     const std::vector<double> offsets = answer_.outline_offset;
@@ -353,8 +362,8 @@ class Solver {
     doubts.open(input_);
     problem_.reset();  // its unknowns are others
     damping_ = cold_damping;
-    solve(Returns::by_ray);
-    solve(Returns::by_ray);
+    solve();
+    solve();
   }
 
   /// Takes out the view whose sensors disagree most, if chance does not explain it.
@@ -371,7 +380,7 @@ class Solver {
   }
 
   void finish() {
-    prepare(Returns::by_ray);
+    prepare();
     marginalize_view_errors();
     JointState active = active_state();
     input_.corner_reach = fine_reach;
@@ -381,17 +390,7 @@ class Solver {
       const std::size_t v = active_[i];
       JointViewOutcome& outcome = answer_.views[v];
       outcome.misfit = problem_->misfit(active, i);
-      double weight = 0;
-      double squares = 0;
-      for (std::size_t l = 0; l < lidars_; ++l) {
-        const std::optional<RangeSums>& sums = input_.views[i].ranges[l];
-        if (!sums) continue;
-        const Vector5d z = sums->z(inverse_plane(board_plane(T_lidar_board(v, l))), active.range_bias[l],
-                                   active.range_slope[l]);
-        squares += 2 * std::max(0.0, sums->at(z));
-        weight += sums->weight;
-      }
-      outcome.plane_rms = weight > 0 ? std::sqrt(squares / weight) : 0;
+      outcome.plane_rms = problem_->range_rms(active, i);
     }
     answer_.state = state_;
     answer_.stretch_free = input_.prior_stretch > 0;
@@ -430,6 +429,7 @@ class Solver {
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
   std::stop_token stop_;
+  bool placed_ = false;                  ///< see `boards_are_placed`; until then the returns are the finder's
   double damping_ = cold_damping;        ///< of the next solve's first step
   std::optional<JointProblem> problem_;  ///< of input_
   NeighbourTable neighbours_;
