@@ -61,8 +61,7 @@ TEST_P(Accuracy, ErrorsAreSmallAndAsTheCovarianceSays) {
         ours.mean_nees(), static_cast<double>(ours.used) / ours.answers, planes[count].answers,
         1e3 * planes[count].mean_translation());
     ASSERT_GE(ours.answers, count > 3 ? trials - 2 : trials / 2) << count << " views";
-    // Three views leave much to the priors, which are as wide as the intrinsics may be off at most.
-    EXPECT_GT(ours.mean_nees(), count > 3 ? 0.6 : 0.5) << count << " views";
+    EXPECT_GT(ours.mean_nees(), 0.6) << count << " views";
     EXPECT_LT(ours.mean_nees(), 1.6) << count << " views";
     EXPECT_GE(ours.used, count * ours.answers * 98 / 100) << "right views thrown out, of " << count;
     if (count < 10) continue;
