@@ -70,8 +70,7 @@ TEST(Convergence, OneCameraCountsTheCornersFromTheOtherEnd) {
   ASSERT_TRUE(plain && turned);
   for (std::size_t i = 0; i < plain->transforms.size(); ++i) {
     const Vector6d d = plain->transforms[i].T_parent_child.difference(turned->transforms[i].T_parent_child);
-    // Returns between two classes of ink, and rays that just limit a rim, may fall to either side.
-    EXPECT_LT(d.norm(), 2e-5) << plain->transforms[i].parent << " " << plain->transforms[i].child;
+    EXPECT_LT(d.norm(), 1e-6) << plain->transforms[i].parent << " " << plain->transforms[i].child;
   }
   for (const CalibratedView& view : turned->views) EXPECT_TRUE(view.used) << view.reason;
 }
