@@ -29,9 +29,10 @@ Config ready_for_sensors(Config config) {
 
 }  // namespace
 
-Daemon::Daemon(Config config, std::optional<Recording> recording)
+Daemon::Daemon(Config config, std::optional<Recording> recording, ReadAgain read_again)
     : config_(ready_for_sensors(std::move(config))),
       recording_(std::move(recording)),
+      read_again_(std::move(read_again)),
       clock_(recording_ ? std::optional(recording_->start) : std::nullopt),
       loop_beat_(heartbeats_.add("event loop")),
       previews_(loop_, heartbeats_),
@@ -139,7 +140,7 @@ void Daemon::reload() {
     heard(good ? "reloaded" : "not reloaded", text);
     notify::ready();
   };
-  Result<Config> config = read_config(config_.file);
+  Result<Config> config = read_again_();
   if (!config) return done("the old configuration stays:\n" + config.error().text(), false);
   const auto restart = needs_restart(config_.options, config->options);
   if (!restart.empty()) {
@@ -149,9 +150,12 @@ void Daemon::reload() {
   }
   if (!recorder_.directory().empty()) return done("the old configuration stays while recording", false);
   if (!capture_->idle()) return done("the old configuration stays while a view is being written", false);
-  retire_sensors();
-  if (recording_) config->rig = config_.rig;
   config_ = ready_for_sensors(std::move(*config));
+  if (recording_) {  // its rig is the old one, and it plays on
+    capture_->restart(config_);
+    return done("the options are reloaded; rig and sensors stay the recording's", true);
+  }
+  retire_sensors();
   capture_->restart(config_);
   start_sensors();
   done("reloaded " + config_.file.string(), true);

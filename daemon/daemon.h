@@ -1,6 +1,7 @@
 /// @file The daemon: everything it has, in the order in which it depends on each other.
 #pragma once
 
+#include <functional>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <optional>
@@ -22,8 +23,11 @@ namespace ca2 {
 
 class Daemon {
  public:
-  /// `recording`: takes the place of the sensors.
-  Daemon(Config config, std::optional<Recording> recording);
+  /// The configuration as the command line says, read anew.
+  using ReadAgain = std::function<Result<Config>()>;
+
+  /// `recording`: takes the place of the sensors. `read_again`: for a reload.
+  Daemon(Config config, std::optional<Recording> recording, ReadAgain read_again);
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
   /// Waits for every thread.
@@ -50,6 +54,7 @@ class Daemon {
 
   Config config_;
   std::optional<Recording> recording_;
+  ReadAgain read_again_;
   HostClock clock_;
   EventLoop loop_;
   Heartbeats heartbeats_;

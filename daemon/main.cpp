@@ -89,10 +89,19 @@ int run(const Arguments& arguments, bool config_given) {
   if (arguments.check) std::printf("%s: good\n", config->file.string().c_str());
   if (arguments.print || arguments.check) return 0;
 
+  const auto read_again = [arguments, recording, config_given]() -> Result<Config> {
+    if (recording && !config_given) {
+      return fail(ErrorCode::usage, recording->directory.string(),
+                  "it is played without a configuration: there is nothing to read again",
+                  "start with --config FILE for options that can be reloaded");
+    }
+    return config_of(arguments, recording, config_given);
+  };
+
   block_signals();
   std::optional<ExitDeadline> deadline;
   {
-    Daemon daemon(std::move(*config), std::move(recording));
+    Daemon daemon(std::move(*config), recording, read_again);
     if (const Result<void> opened = daemon.open(); !opened) {
       deadline.emplace();
       return report(opened.error());
