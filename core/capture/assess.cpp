@@ -11,6 +11,10 @@ namespace {
 
 // Of the dwell: before that it may only have slowed down.
 constexpr double stopped = 0.25;
+// Of every camera: what fewer pictures show may just have passed by.
+constexpr std::size_t fewest_pictures = 3;
+// Of the slowest camera: a hold's pictures, those that another camera lags behind, and what jitters.
+constexpr double periods_kept = 4.5;
 // Of the scans that fit into the dwell; the others may have begun before it, or be lost.
 constexpr double enough_scans = 0.7;
 // When a hold began is seen while it lasts, and differently by every picture: by less than this.
@@ -28,6 +32,25 @@ std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
   return list;
 }
 
+/// Those that hold up nobody and of which no view can have pictures.
+std::string slow_cameras(const Tracks& tracks, std::int64_t now) {
+  std::string list;
+  for (std::size_t i = 0; i < tracks.cameras.size(); ++i) {
+    const Rhythm& rhythm = tracks.cameras[i].rhythm();
+    if (!tracks.cameras[i].too_slow() || rhythm.silent(now)) continue;
+    list += (list.empty() ? "" : "; ") + too_slow_text(tracks.camera_names[i], tracks.cameras[i]);
+  }
+  return list;
+}
+
+std::string hold_it_still(const Tracks& tracks, std::size_t slowest, double dwell) {
+  const double seconds =
+      1e-9 * fewest_pictures * static_cast<double>(tracks.cameras[slowest].rhythm().period().value_or(0));
+  if (seconds <= dwell) return "hold it still";
+  return formatted("hold it still for %.1f s: %s gives only %.1f pictures a second", seconds,
+                   tracks.camera_names[slowest].c_str(), tracks.cameras[slowest].rhythm().rate());
+}
+
 /// The LiDAR that has not yet measured enough of the hold.
 const std::string* late_lidar(const Tracks& tracks, const CaptureOptions& options, const Assessment& a,
                               std::int64_t now) {
@@ -43,12 +66,31 @@ const std::string* late_lidar(const Tracks& tracks, const CaptureOptions& option
 
 }  // namespace
 
+std::string too_slow_text(const std::string& name, const CameraTrack& camera) {
+  return formatted(
+      "%s gives a picture only every %.1f s, which tells nobody whether the board is still: one a "
+      "second is needed",
+      name.c_str(), 1e-9 * static_cast<double>(camera.rhythm().period().value_or(0)));
+}
+
+void look_back_far_enough(Tracks& tracks, const CaptureOptions& options, std::int64_t now) {
+  double seconds = options.patience * options.dwell + 0.5;
+  for (const CameraTrack& camera : tracks.cameras) {
+    if (camera.too_slow() || camera.rhythm().silent(now)) continue;
+    seconds =
+        std::max(seconds, 1e-9 * periods_kept * static_cast<double>(camera.rhythm().period().value_or(0)));
+  }
+  const auto history = static_cast<std::int64_t>(1e9 * seconds);
+  for (CameraTrack& camera : tracks.cameras) camera.look_back(history);
+  for (LidarTrack& lidar : tracks.lidars) lidar.look_back(history);
+}
+
 Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int64_t now) {
   Assessment a;
   a.since = std::numeric_limits<std::int64_t>::min();
   a.newest = std::numeric_limits<std::int64_t>::max();
   std::int64_t period = 0;
-  std::size_t slowest = 0;
+  std::size_t last = 0, slowest = 0;  // to come to rest, and by its rate
   bool seen = false;
   for (std::size_t c = 0; c < tracks.cameras.size(); ++c) {
     const CameraTrack& camera = tracks.cameras[c];
@@ -56,26 +98,32 @@ Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int6
     if (!a.cameras.back()) continue;
     const CameraStillness& still = *a.cameras.back();
     seen = true;
-    if (still.since > a.since) a.since = still.since, slowest = c;
+    if (still.since > a.since) a.since = still.since, last = c;
     a.newest = std::min(a.newest, still.newest);
-    period = std::max(period, camera.rhythm().period().value_or(0));
+    const std::int64_t own = camera.rhythm().period().value_or(0);
+    if (own > period) period = own, slowest = c;
   }
   if (!seen) {
-    const std::string silent = silent_sensors(tracks, now);
-    a.reason = silent.empty() ? "no camera sees the board" : "no data from " + silent;
+    const std::string silent = silent_sensors(tracks, now), slow = slow_cameras(tracks, now);
+    a.reason = !silent.empty() ? "no data from " + silent : !slow.empty() ? slow : "no camera sees the board";
     return a;
+  }
+  std::size_t pictures = fewest_pictures;
+  for (std::size_t c = 0; c < tracks.cameras.size(); ++c) {
+    if (a.cameras[c]) pictures = std::min(pictures, tracks.cameras[c].between(a.since, a.newest).size());
   }
   // A picture stands for the time until the next one.
   const double held = 1e-9 * static_cast<double>(a.newest - a.since + period);
-  a.progress = std::clamp(held / options.dwell, 0.0, 1.0);
+  a.progress = std::clamp(held / options.dwell, 0.0,
+                          static_cast<double>(pictures) / static_cast<double>(fewest_pictures));
   if (a.progress < 1) {
-    const CameraStillness& still = *a.cameras[slowest];
-    const bool moves = a.progress < stopped;
+    const CameraStillness& still = *a.cameras[last];
+    const bool moves = a.progress < stopped || pictures < 2;
     a.phase = moves ? Assessment::Phase::moving : Assessment::Phase::holding;
     a.reason = moves && still.motion > still.limit
                    ? formatted("the board moves %.1f px in %s; hold it still", still.motion,
-                               tracks.camera_names[slowest].c_str())
-                   : "hold it still";
+                               tracks.camera_names[last].c_str())
+                   : hold_it_still(tracks, slowest, options.dwell);
     return a;
   }
   const std::string* late = late_lidar(tracks, options, a, now);
@@ -96,7 +144,8 @@ void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Asses
   const auto oldest = [&](std::int64_t newest, std::int64_t lag) {
     // For whoever asks for a view of this hold all the same.
     if (decided) return newest - dwell;
-    return held ? std::min(assessment.since, newest) - settling : newest - settling - lag;
+    if (assessment.phase == Assessment::Phase::absent) return newest - settling - lag;
+    return std::min(assessment.since, newest) - settling - (held ? 0 : lag);
   };
   for (CameraTrack& camera : tracks.cameras) {
     if (camera.newest()) camera.release_before(oldest(camera.newest()->time, 0));

@@ -36,6 +36,12 @@ struct Assessment {
 
 Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int64_t now);
 
+/// Why a camera that is too slow is in no view.
+std::string too_slow_text(const std::string& name, const CameraTrack& camera);
+
+/// Tracks reach back so far that a hold before the slowest camera fits.
+void look_back_far_enough(Tracks& tracks, const CaptureOptions& options, std::int64_t now);
+
 /// Lets go of the pictures and scans that can be in no view any more: those of before the hold, and, once it
 /// is decided what becomes of the hold, all but those of the last dwell. A second of a rig's pictures is a
 /// hundred megabytes.

@@ -7,8 +7,12 @@
 namespace ca2 {
 namespace {
 
-// A picture without the board between others (a detector's miss, a hand) does not end a hold.
-constexpr std::int64_t longest_gap = 300'000'000;  // ns
+// A picture without the board between others (a detector's miss, a hand) does not end a hold. Slow cameras'
+// pictures are farther apart than that.
+constexpr std::int64_t shortest_gap = 300'000'000;  // ns
+constexpr std::int64_t gap_halves = 3;              // half periods
+// Slower ones are of no use: people cannot stand still for so long.
+constexpr std::int64_t longest_period = 1'250'000'000;  // ns
 // Detectors' errors alone move corners by so much.
 constexpr double least_motion = 0.5;  // px
 // So many pictures per second make the mean as good as it gets; a fast camera's others only fill the memory.
@@ -67,6 +71,14 @@ void CameraTrack::add(const CameraObservation& observation) {
   while (samples_.front().time < observation.time - history_) samples_.pop_front();
 }
 
+bool CameraTrack::too_slow() const {
+  return rhythm_.period().value_or(0) > longest_period;
+}
+
+std::int64_t CameraTrack::longest_gap() const {
+  return std::max(shortest_gap, gap_halves * rhythm_.period().value_or(0) / 2);
+}
+
 void CameraTrack::release_before(std::int64_t time) {
   for (CameraObservation& sample : samples_) {
     if (sample.time >= time) break;
@@ -99,20 +111,21 @@ double CameraTrack::pixels_per_metre(const std::vector<Corner>& corners) const {
 
 std::optional<CameraStillness> CameraTrack::stillness(std::int64_t now, double board_motion,
                                                       double dwell) const {
-  if (samples_.empty() || rhythm_.silent(now)) return std::nullopt;
+  if (samples_.empty() || rhythm_.silent(now) || too_slow()) return std::nullopt;
+  const std::int64_t gap = longest_gap();
   auto at = samples_.rbegin();
   while (at != samples_.rend() && at->corners.empty()) ++at;
-  if (at == samples_.rend() || samples_.back().time - at->time > longest_gap) return std::nullopt;
+  if (at == samples_.rend() || samples_.back().time - at->time > gap) return std::nullopt;
   CameraStillness still;
   still.newest = still.since = at->time;
   still.limit = std::max(least_motion, board_motion * pixels_per_metre(at->corners));
   const Pixels newest = aligned(at->corners, {});
   Spread spread(newest);
-  const auto window = static_cast<std::int64_t>(1e9 * dwell);
+  const auto window = std::max(static_cast<std::int64_t>(1e9 * dwell), gap);
   bool is_still = true;
   for (std::int64_t last = at->time; ++at != samples_.rend();) {
     if (at->corners.empty()) continue;
-    if (last - at->time > longest_gap) break;
+    if (last - at->time > gap) break;
     last = at->time;
     const double motion = spread.with(aligned(at->corners, newest));
     if (still.newest - at->time <= window) still.motion = motion;

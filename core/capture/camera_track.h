@@ -14,18 +14,23 @@ namespace ca2 {
 struct CameraStillness {
   std::int64_t since = 0;   ///< ns: the first picture from which on the corners keep within `limit`
   std::int64_t newest = 0;  ///< ns: the last picture with the board
-  double motion = 0;        ///< px, of the corners over the dwell
+  double motion = 0;        ///< px, of the corners over the dwell; a slow camera's against the picture before
   double limit = 0;         ///< px
 };
 
 class CameraTrack {
  public:
-  /// `history`: ns that are looked back on.
-  CameraTrack(const Board& board, std::int64_t history) : board_(board), history_(history) {}
+  explicit CameraTrack(const Board& board) : board_(board) {}
 
   void add(const CameraObservation& observation);
+  /// ns: what is older is forgotten.
+  void look_back(std::int64_t history) { history_ = history; }
 
-  /// Nothing where the board is not in sight at `now`. `board_motion` m and `dwell` s as in CaptureOptions.
+  /// Its pictures come so seldom that nobody can tell by them whether the board is still.
+  bool too_slow() const;
+
+  /// Nothing where the board is not in sight at `now`, or the camera is too slow. `board_motion` m and
+  /// `dwell` s as in CaptureOptions.
   std::optional<CameraStillness> stillness(std::int64_t now, double board_motion, double dwell) const;
 
   /// Pictures with the board from `first` to `last`, oldest first; released ones are among them.
@@ -46,12 +51,13 @@ class CameraTrack {
   /// Pixels by corner id, in the labelling that agrees with `reference` (the same, or half a turn round).
   std::vector<std::optional<Eigen::Vector2d>> aligned(
       const std::vector<Corner>& corners, const std::vector<std::optional<Eigen::Vector2d>>& reference) const;
+  std::int64_t longest_gap() const;
   double pixels_per_metre(const std::vector<Corner>& corners) const;
   std::int64_t settled(const CameraStillness& still,
                        const std::vector<std::optional<Eigen::Vector2d>>& newest) const;
 
   const Board& board_;
-  std::int64_t history_;
+  std::int64_t history_ = 2'000'000'000;
   std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0;

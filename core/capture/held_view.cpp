@@ -46,10 +46,14 @@ class Collector {
 
  private:
   void add_camera(std::size_t c, std::vector<const CameraObservation*> pictures) {
+    const std::string& name = tracks_.camera_names[c];
+    if (tracks_.cameras[c].too_slow() && !at_once_) {
+      view_.gates[name] = too_slow_text(name, tracks_.cameras[c]);
+      return;
+    }
     HeldCamera held;
     held.pictures = std::move(pictures);
     if (held.pictures.empty()) return;
-    const std::string& name = tracks_.camera_names[c];
     held.corners = tracks_.cameras[c].mean_corners(held.pictures);
     const RigCamera& camera = context_.rig.cameras.at(name);
     if (camera.intrinsics) {

@@ -19,10 +19,9 @@ struct LidarHold {
 
 class LidarTrack {
  public:
-  /// `history`: ns that are looked back on.
-  explicit LidarTrack(std::int64_t history) : history_(history) {}
-
   void add(const LidarObservation& observation);
+  /// ns: what is older is forgotten.
+  void look_back(std::int64_t history) { history_ = history; }
 
   /// Scans that were measured between these times as a whole, oldest first; released ones are among them.
   std::vector<const LidarObservation*> within(std::int64_t first, std::int64_t last) const;
@@ -40,7 +39,7 @@ class LidarTrack {
   std::uint64_t shed() const { return shed_; }
 
  private:
-  std::int64_t history_;
+  std::int64_t history_ = 2'000'000'000;
   std::deque<LidarObservation> samples_;  ///< searched scans, oldest first
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0;

@@ -69,14 +69,13 @@ struct CapturePipeline::State {
 
   State(Rig rig_in, CaptureOptions options_in, std::vector<ViewSights> views_in)
       : rig(std::move(rig_in)), options(options_in), views(std::move(views_in)), extrinsics(rig) {
-    const auto history = static_cast<std::int64_t>(1e9 * (options.patience * options.dwell + 0.5));
     for (const auto& [name, camera] : rig.cameras) {
       tracks.camera_names.push_back(name);
-      tracks.cameras.emplace_back(rig.board, history);
+      tracks.cameras.emplace_back(rig.board);
     }
     for (const auto& [name, lidar] : rig.lidars) {
       tracks.lidar_names.push_back(name);
-      tracks.lidars.emplace_back(history);
+      tracks.lidars.emplace_back();
     }
     for (const ViewSights& view : views) {
       known.add(pose_of_view(view, have_intrinsics()));
@@ -111,6 +110,7 @@ struct CapturePipeline::State {
       picked = std::min(picked, time);
     }
     now = std::max(now, time);
+    look_back_far_enough(tracks, options, now);
     assessment = assess(tracks, options, now);
     const bool still =
         assessment.phase == Assessment::Phase::holding || assessment.phase == Assessment::Phase::ready;

@@ -9,13 +9,13 @@
 
 namespace ca2 {
 
-/// Arrival times of the last 2 seconds (ns).
+/// Arrival times of the last 2 seconds (ns), of a slow sensor the last four.
 class Rhythm {
  public:
   void add(std::int64_t time) {
     if (!times_.empty() && time < times_.back()) times_.clear();  // the clock was set back
     times_.push_back(time);
-    while (times_.size() > 2 && times_.front() < time - window) times_.pop_front();
+    while (times_.size() > fewest && times_.front() < time - window) times_.pop_front();
   }
 
   /// Middle gap between arrivals, ns; nothing before the third. Lost frames do not change it.
@@ -41,6 +41,7 @@ class Rhythm {
 
  private:
   static constexpr std::int64_t window = 2'000'000'000;
+  static constexpr std::size_t fewest = 4;  // the middle of three gaps survives one lost frame
   std::deque<std::int64_t> times_;
 };
 

@@ -268,6 +268,63 @@ TEST(Pipeline, ALongDwellIsPossible) {
   EXPECT_GE(script.stored[0].view.scans.at("top").size(), 28u);
 }
 
+TEST(Pipeline, ASlowCameraNeedsALongerHold) {
+  for (const double rate : {1.0, 2.0, 3.0}) {
+    Script script;
+    script.camera_rate = rate;
+    Poses poses;
+    poses
+        .hold(board_at(0, 0, 1.5), 1.6 / rate)  // two pictures at most
+        .hold(board_at(0.3, 0, 1.4, 0.5), 4.2 / rate)
+        .hold(board_at(-0.3, 0, 1.4, 0.5, 2), 4.2 / rate);
+    script.T_camera_board = [&](double t) { return poses.at(t); };
+    CapturePipeline pipeline(script.rig, {}, {});
+    script.run(pipeline, -4, poses.end() + 1 / rate);
+    ASSERT_EQ(script.stored.size(), 2u) << rate << " Hz";
+    EXPECT_GT(script.stored[0].time, 1.6 / rate + 0.5) << rate << " Hz";
+    for (const Script::Stored& stored : script.stored) {
+      EXPECT_EQ(stored.view.images.at("left").bits, 16) << "a mean, at " << rate << " Hz";
+    }
+  }
+}
+
+TEST(Pipeline, ASlowCameraSaysHowLongToHold) {
+  Script script;
+  script.camera_rate = 1;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+  CapturePipeline pipeline(script.rig, {}, {});
+  script.run(pipeline, 0, 3.5);
+  script.T_camera_board = [](double) { return board_at(0.2, 0, 1.5, 0.4); };
+  script.run(pipeline, 4, 5.2);
+  const CaptureStatus status = pipeline.status(std::llround(5.3e9));
+  EXPECT_EQ(status.state, CaptureState::holding);
+  EXPECT_EQ(status.reason, "hold it still for 3.0 s: left gives only 1.0 pictures a second");
+  EXPECT_NEAR(status.progress, 2.0 / 3, 0.01);
+}
+
+TEST(Pipeline, MotionBetweenASlowCamerasPicturesIsSeen) {
+  Script script;
+  script.camera_rate = 1;
+  script.T_camera_board = [](double t) { return board_at(0.05 * t, 0, 1.5); };
+  CapturePipeline pipeline(script.rig, {}, {});
+  script.run(pipeline, -2, 5.2);
+  EXPECT_TRUE(script.stored.empty());
+  const CaptureStatus status = pipeline.status(std::llround(5.3e9));
+  EXPECT_EQ(status.state, CaptureState::moving);
+  EXPECT_NE(status.reason.find("the board moves"), std::string::npos) << status.reason;
+}
+
+TEST(Pipeline, ACameraThatIsTooSlowSaysSo) {
+  Script script;
+  script.camera_rate = 0.5;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5); };
+  CapturePipeline pipeline(script.rig, {}, {});
+  script.run(pipeline, 0, 12.5);
+  EXPECT_TRUE(script.stored.empty());
+  const CaptureStatus status = pipeline.status(std::llround(12.6e9));
+  EXPECT_NE(status.reason.find("left gives a picture only every 2.0 s"), std::string::npos) << status.reason;
+}
+
 TEST(Pipeline, ManualTrigger) {
   Script script;
   script.T_camera_board = [](double t) { return board_at(0.1 * t, 0, 1.5); };

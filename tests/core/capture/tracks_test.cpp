@@ -40,7 +40,7 @@ int with_image(const CameraTrack& track) {
 TEST(Tracks, KeepSixteenPicturesASecondAndTheNewest) {
   const Board board = a_board();
   for (const double rate : {10.0, 15.0, 30.0, 90.0}) {
-    CameraTrack track(board, 2'000'000'000);
+    CameraTrack track(board);
     for (int i = 0; i <= rate; ++i) {
       track.add(picture(board, start + std::llround(1e9 * i / rate), 100));
       EXPECT_TRUE(track.newest()->image);
@@ -54,7 +54,7 @@ TEST(Tracks, LetGoOfWhatIsInNoViewAnyMore) {
   const CaptureOptions options;
   Tracks tracks;
   tracks.camera_names = {"camera"};
-  tracks.cameras.emplace_back(board, 2'000'000'000);
+  tracks.cameras.emplace_back(board);
   CameraTrack& track = tracks.cameras[0];
   const auto show = [&](int i, double at) {
     const std::int64_t time = start + i * 100'000'000LL;
