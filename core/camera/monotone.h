@@ -2,6 +2,7 @@
 /// fold.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -31,9 +32,13 @@ bool bernstein_positive(std::array<double, N> b, int depth) {
 
 /// Is c[0] + c[1] t + ... + c[N-1] t^(N-1) > 0 for every t in [0, end]? Exact up to rounding. A polynomial in
 /// Bernstein form lies in the hull of its coefficients, so that far from a root this is N (N - 1) / 2
-/// additions and N comparisons: cheap enough for every single projection, with nothing cached.
+/// additions and N comparisons: cheap enough for every single projection, with nothing cached. Most are
+/// further still: what the negative terms take away at the end does not use up c[0].
 template <std::size_t N>
 bool positive_up_to(const std::array<double, N>& c, double end) {
+  double least = 0;
+  for (std::size_t i = N - 1; i > 0; --i) least = (least + std::min(c[i], 0.0)) * end;
+  if (c[0] + least > 0) return true;
   std::array<double, N> b;
   double power = 1;     // end^i
   double binomial = 1;  // N - 1 over i

@@ -93,18 +93,16 @@ void CornerField::settle(double limit) {
     const double squared = e(i).squaredNorm();
     if (squared > limit * limit) {
       single_.push_back(i);
-      continue;
+    } else {
+      settled_up_to_ = std::max(settled_up_to_, squared);
     }
-    settled_up_to_ = std::max(settled_up_to_, squared);
-    settled_.cost += 0.5 * squared;
-    settled_.g.noalias() += J(i).lazyProduct(e(i));
   }
-  // All in one product, and the few single ones out again.
-  auto H = settled_.H.selfadjointView<Eigen::Lower>();
-  H.rankUpdate(J_);
-  for (const std::size_t i : single_) H.rankUpdate(J(i), -1);
-  settled_.H.triangularView<Eigen::StrictlyUpper>() = settled_.H.transpose();
   settled_up_to_ = std::sqrt(settled_up_to_);
+  // All as if their cost were quadratic; the single ones are put right wherever they are asked for.
+  settled_.cost = 0.5 * e_.squaredNorm();
+  settled_.g.noalias() = J_ * e_.reshaped();
+  settled_.H.selfadjointView<Eigen::Lower>().rankUpdate(J_);
+  settled_.H.triangularView<Eigen::StrictlyUpper>() = settled_.H.transpose();
 }
 
 bool CornerField::approach(const CornerModel& model, double scale, double huber, double reach) {
@@ -126,10 +124,11 @@ CameraEquations CornerField::equations(const CornerModel& model, double scale, d
   for (const std::size_t i : single_) {
     const Eigen::Vector2d there = e(i) + J(i).transpose().lazyProduct(way);
     const double norm = there.norm();
-    const double weight = norm <= huber * scale ? 1 : huber * scale / norm;
-    sum.cost += huber_cost(norm, huber * scale);
-    sum.g.noalias() += J(i).lazyProduct(weight * there);
-    sum.H.noalias() += weight * J(i).lazyProduct(J(i).transpose());
+    if (norm <= huber * scale) continue;
+    const double off = huber * scale / norm - 1;  // of its weight
+    sum.cost += huber_cost(norm, huber * scale) - 0.5 * norm * norm;
+    sum.g.noalias() += J(i).lazyProduct(off * there);
+    sum.H.noalias() += J(i).lazyProduct(off * J(i).transpose());
   }
   const double information = 1 / (scale * scale);
   sum.cost *= information;
@@ -144,8 +143,10 @@ double CornerField::cost(const CornerModel& model, double scale, double huber) c
   if (approached_ && close(way, model)) {
     const Vector H_way = settled_.H.lazyProduct(way);
     sum = settled_.cost + settled_.g.dot(way) + 0.5 * way.dot(H_way);
-    for (const std::size_t i : single_)
-      sum += huber_cost((e(i) + J(i).transpose().lazyProduct(way)).norm(), huber * scale);
+    for (const std::size_t i : single_) {
+      const double norm = (e(i) + J(i).transpose().lazyProduct(way)).norm();
+      sum += huber_cost(norm, huber * scale) - 0.5 * norm * norm;
+    }
   } else {
     for (const Seen& corner : corners_) {
       const auto pixel =
@@ -157,27 +158,22 @@ double CornerField::cost(const CornerModel& model, double scale, double huber) c
   return sum / (scale * scale);
 }
 
-Eigen::Matrix2Xd CornerField::errors(const CornerModel& model) const {
-  if (!approached_) return e_;
-  const Vector way = way_to(model);
+Eigen::Matrix2Xd CornerField::errors_after(const Vector& way) const {
   Eigen::Matrix2Xd errors = e_;
-  for (std::size_t i = 0; i < size(); ++i)
-    errors.col(static_cast<Eigen::Index>(i)) += J(i).transpose().lazyProduct(way);
+  errors.reshaped().noalias() += J_.transpose() * way;
   return errors;
 }
 
+Eigen::Matrix2Xd CornerField::errors(const CornerModel& model) const {
+  return approached_ ? errors_after(way_to(model)) : e_;
+}
+
 Eigen::Matrix2Xd CornerField::errors_about_own_pose(const CornerModel& model) const {
-  Eigen::Matrix2Xd errors = this->errors(model);
-  Matrix6d H = settled_.H.topLeftCorner<6, 6>();
-  for (const std::size_t i : single_)
-    H.noalias() += J(i).topRows<6>().lazyProduct(J(i).topRows<6>().transpose());
-  Vector6d g = Vector6d::Zero();
-  for (std::size_t i = 0; i < size(); ++i)
-    g.noalias() += J(i).topRows<6>().lazyProduct(errors.col(static_cast<Eigen::Index>(i)));
-  const Vector6d pull = H.ldlt().solve(g);
-  for (std::size_t i = 0; i < size(); ++i)
-    errors.col(static_cast<Eigen::Index>(i)) -= J(i).topRows<6>().transpose().lazyProduct(pull);
-  return errors;
+  if (!approached_) return e_;
+  Vector way = way_to(model);
+  const Vector g = settled_.g + settled_.H * way;
+  way.head<6>() -= settled_.H.topLeftCorner<6, 6>().ldlt().solve(g.head<6>());
+  return errors_after(way);
 }
 
 double CornerField::rms(const CornerModel& model) const {

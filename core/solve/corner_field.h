@@ -80,8 +80,9 @@ class CornerField {
   /// From the place last approached.
   Vector way_to(const CornerModel& model) const;
   bool close(const Vector& way, const CornerModel& model) const;
+  Eigen::Matrix2Xd errors_after(const Vector& way) const;
   bool project(const CornerModel& model);
-  /// Sums up the rows whose cost is quadratic for certain; the others stay single.
+  /// Sums up all rows, and notes those whose cost is not quadratic for certain.
   void settle(double limit);
 
   std::vector<Seen> corners_;
@@ -93,12 +94,12 @@ class CornerField {
   CameraParameters parameters_;  ///< those that are unknown
   Eigen::Vector2d stretch_ = Eigen::Vector2d::Zero();
   CameraParameters moves_;
-  Eigen::Matrix2Xd e_;        ///< whitened errors at the place last approached
-  Eigen::MatrixXd J_;         ///< [unknowns x 2 per corner]
-  CameraEquations settled_;   ///< of unscaled errors
-  double settled_up_to_ = 0;  ///< the largest whitened error among them
-  double limit_ = 0;          ///< errors up to here were settled
-  std::vector<std::size_t> single_;
+  Eigen::Matrix2Xd e_;               ///< whitened errors at the place last approached
+  Eigen::MatrixXd J_;                ///< [unknowns x 2 per corner]
+  CameraEquations settled_;          ///< of unscaled errors, as if all their costs were quadratic
+  double settled_up_to_ = 0;         ///< the largest whitened error whose cost surely is
+  double limit_ = 0;                 ///< errors up to here surely are
+  std::vector<std::size_t> single_;  ///< the others
 };
 
 }  // namespace ca2

@@ -302,6 +302,9 @@ class Solver {
   /// Solves once more with the plates' rims, which fix the position inside the planes that planes alone
   /// leave weak. Kept unless the answer moves by more than its uncertainty without them allows.
   void add_edges() {
+    bool any = false;
+    for (std::size_t l = 0; l < lidars_; ++l) any = any || !edge_views(l).empty();
+    if (!any) return;
     const JointAnswer without = answer_;
     for (const double slack : {0.06, 0.025, 0.015, 0.01}) {
       edge_slack_ = slack;
@@ -328,7 +331,7 @@ class Solver {
       contradict = !(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6);
     }
     if (!contradict) return;
-    const bool any = answer_.edges > 0;
+    any = answer_.edges > 0;
     answer_ = without;
     answer_.outline_offset = offsets;
     answer_.edges = 0;
