@@ -26,6 +26,7 @@ packages=(
   librsvg2-bin
   # packages
   lintian
+  mmdebstrap
   mandoc
   poppler-utils
   # tests against device interfaces: a guest machine with Debian's own kernel
