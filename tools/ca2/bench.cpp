@@ -54,13 +54,15 @@ CommandBody setup_bench(CLI::App& app) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--seconds", options->bench.seconds, "ingest: how long each load at a steady rate lasts")
       ->check(CLI::Range(0.1, 3600.0));
-  app.add_option("--seed", options->bench.seed, "accuracy, guidance: the seed of everything that is drawn");
+  app.add_option("--seed", options->bench.seed,
+                 "accuracy, stereo, guidance: the seed of everything that is drawn");
   app.add_option("--trials", options->bench.trials,
-                 "accuracy: trials per cell (12, with --full 100); guidance: seeds (21)")
+                 "accuracy, stereo: trials per cell (12, with --full 100); guidance: seeds (21)")
       ->check(CLI::Range(1, 100000));
-  app.add_flag("--full", options->bench.full, "accuracy: every number of views and 100 trials");
+  app.add_flag("--full", options->bench.full,
+               "accuracy, stereo: 100 trials; accuracy: every number of views");
   app.add_option("--only", options->bench.only,
-                 "accuracy, solve, decode, guidance: only what has this text in its name");
+                 "accuracy, stereo, solve, decode, guidance: only what has this text in its name");
   app.add_option("--plot", options->bench.plot, "accuracy: write the errors as an SVG plot to this file");
   app.add_flag("--json", options->bench.json, "Print the table as JSON");
   return [options]() -> Result<int> {

@@ -48,21 +48,12 @@ void add(MethodErrors& errors, const Result<Calibration>& answer, const Scenario
   errors.ratio_rotation2 += e.rotation * e.rotation / bound->rotation2;
 }
 
-std::vector<ViewSights> without_edges(std::vector<ViewSights> sights) {
-  for (ViewSights& view : sights) {
-    for (auto& hypotheses : view.lidars) {
-      for (LidarSight& sight : hypotheses) sight.crossings.clear();
-    }
-  }
-  return sights;
-}
-
 /// One subset of views, solved by every method.
 Result<void> measure(const Scenario& scenario, const Rig& stated, const std::vector<SimulatedView>& views,
                      AccuracyCell& cell) {
   const Result<std::vector<ViewSights>> sights = sights_of(stated, views);
   if (!sights) return fail(sights.error());
-  const std::vector<ViewSights> planes = without_edges(*sights);
+  const std::vector<ViewSights> planes = without_crossings(*sights);
   const auto joint = calibrate(stated, planes, {});
   if (!joint) return {};
   const Rig rig = rig_of(scenario);

@@ -16,15 +16,6 @@ namespace {
 
 constexpr int counts[] = {10, 39, 100, 1000};
 
-std::vector<ViewSights> without_rims(std::vector<ViewSights> views) {
-  for (ViewSights& view : views) {
-    for (auto& hypotheses : view.lidars) {
-      for (LidarSight& sight : hypotheses) sight.crossings.clear();
-    }
-  }
-  return views;
-}
-
 std::size_t returns_of(const std::vector<ViewSights>& views) {
   std::size_t sum = 0;
   for (const ViewSights& view : views) {
@@ -55,7 +46,7 @@ Result<nlohmann::json> measure(const ScenarioFile& file, const BenchOptions& opt
   std::map<int, double> with_rims, planes;
   for (const int count : counts) {
     const std::vector<ViewSights> views(all->begin(), all->begin() + count);
-    const std::vector<ViewSights> bare = without_rims(views);
+    const std::vector<ViewSights> bare = without_crossings(views);
     std::vector<double> ms[2];
     // The large ones take long enough to be measured well in a few repeats.
     for (int repeat = 0; repeat < (count < 1000 ? options.repeats : std::min(options.repeats, 5)); ++repeat) {

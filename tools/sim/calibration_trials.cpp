@@ -1,8 +1,6 @@
 #include "tools/sim/calibration_trials.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <numeric>
 
 namespace ca2 {
 
@@ -40,16 +38,6 @@ Rig misstated_rig(Rig rig, const IntrinsicsError& error, std::mt19937_64& rng) {
 Result<std::vector<SimulatedView>> simulate_pool(Scenario scenario, int count) {
   scenario.views = count;
   return simulate_feature_views(scenario);
-}
-
-std::vector<SimulatedView> draw_subset(const std::vector<SimulatedView>& pool, int count,
-                                       std::mt19937_64& rng) {
-  std::vector<std::size_t> order(pool.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::shuffle(order.begin(), order.end(), rng);
-  std::vector<SimulatedView> subset;
-  for (int i = 0; i < count; ++i) subset.push_back(pool[order[static_cast<std::size_t>(i)]]);
-  return subset;
 }
 
 }  // namespace ca2

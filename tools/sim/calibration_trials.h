@@ -2,6 +2,8 @@
 /// repeat.
 #pragma once
 
+#include <algorithm>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -37,7 +39,14 @@ Rig misstated_rig(Rig rig, const IntrinsicsError& error, std::mt19937_64& rng);
 Result<std::vector<SimulatedView>> simulate_pool(Scenario scenario, int count);
 
 /// `count` different views of the pool, drawn at random.
-std::vector<SimulatedView> draw_subset(const std::vector<SimulatedView>& pool, int count,
-                                       std::mt19937_64& rng);
+template <class View>
+std::vector<View> draw_subset(const std::vector<View>& pool, int count, std::mt19937_64& rng) {
+  std::vector<std::size_t> order(pool.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::shuffle(order.begin(), order.end(), rng);
+  std::vector<View> subset;
+  for (int i = 0; i < count; ++i) subset.push_back(pool[order[static_cast<std::size_t>(i)]]);
+  return subset;
+}
 
 }  // namespace ca2

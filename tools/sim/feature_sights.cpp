@@ -52,4 +52,13 @@ Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<Simu
   return all;
 }
 
+std::vector<ViewSights> without_crossings(std::vector<ViewSights> views) {
+  for (ViewSights& view : views) {
+    for (auto& hypotheses : view.lidars) {
+      for (LidarSight& sight : hypotheses) sight.crossings.clear();
+    }
+  }
+  return views;
+}
+
 }  // namespace ca2

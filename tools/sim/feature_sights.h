@@ -16,4 +16,7 @@ Rig rig_of(const Scenario& scenario);
 /// the returns. Sensors are indexed in the rig's order.
 Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<SimulatedView>& views);
 
+/// The same views with planes only: nothing of the plate's rim.
+std::vector<ViewSights> without_crossings(std::vector<ViewSights> views);
+
 }  // namespace ca2
