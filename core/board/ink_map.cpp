@@ -8,6 +8,19 @@ namespace {
 
 constexpr double cells_along = 160;  // the longer side: a ChArUco's bits are two of them wide
 
+/// A place along a side: the cell it cuts, and how much of it is before.
+struct Cut {
+  int cell;
+  double part;
+};
+
+/// `size` cells; what is beside them, NaN included, is at their ends.
+Cut cut(double place, int size) {
+  const double inside = place > 0 ? std::min(place, static_cast<double>(size)) : 0;
+  const int cell = std::min(static_cast<int>(inside), size - 1);
+  return {cell, inside - cell};
+}
+
 }  // namespace
 
 InkMap::InkMap(const Board& board) {
@@ -20,7 +33,7 @@ InkMap::InkMap(const Board& board) {
   const int stride = columns_ + 1;
   sums_.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows_ + 1), 0);
   for (int row = 0; row < rows_; ++row) {
-    std::uint32_t in_row = 0;
+    std::int32_t in_row = 0;
     for (int column = 0; column < columns_; ++column) {
       const Eigen::Vector2d middle = corner_ + cell_.cwiseProduct(Eigen::Vector2d(column + 0.5, row + 0.5));
       in_row += board.type->black(board, middle) ? 1 : 0;
@@ -30,27 +43,21 @@ InkMap::InkMap(const Board& board) {
   }
 }
 
-double InkMap::black_before(double column, double row) const {
-  // Inside the table, NaN included.
-  const double c = column > 0 ? std::min(column, static_cast<double>(columns_)) : 0;
-  const double r = row > 0 ? std::min(row, static_cast<double>(rows_)) : 0;
-  const int i = std::min(static_cast<int>(c), columns_ - 1), j = std::min(static_cast<int>(r), rows_ - 1);
-  const double u = c - i, v = r - j;
-  const auto at = [&](int x, int y) {
-    return static_cast<double>(sums_[static_cast<std::size_t>(y * (columns_ + 1) + x)]);
-  };
-  return (1 - v) * ((1 - u) * at(i, j) + u * at(i + 1, j)) +
-         v * ((1 - u) * at(i, j + 1) + u * at(i + 1, j + 1));
-}
-
 double InkMap::share(const Eigen::Vector2d& p, double width) const {
   const Eigen::Vector2d middle = (p - corner_).cwiseQuotient(cell_);
   const Eigen::Vector2d half = (0.5 * width * cell_.cwiseInverse()).cwiseMax(0.5);
-  const double left = middle.x() - half.x(), right = middle.x() + half.x();
-  const double top = middle.y() - half.y(), bottom = middle.y() + half.y();
-  const double black = black_before(right, bottom) - black_before(left, bottom) - black_before(right, top) +
-                       black_before(left, top);
-  return black / (4 * half.prod());
+  const Cut left = cut(middle.x() - half.x(), columns_), right = cut(middle.x() + half.x(), columns_);
+  const Cut top = cut(middle.y() - half.y(), rows_), bottom = cut(middle.y() + half.y(), rows_);
+  // Black above a row of cells, between left and right.
+  const auto above = [&](int row) {
+    const std::int32_t* sums = &sums_[static_cast<std::size_t>(row * (columns_ + 1))];
+    return (sums[right.cell] - sums[left.cell]) + right.part * (sums[right.cell + 1] - sums[right.cell]) -
+           left.part * (sums[left.cell + 1] - sums[left.cell]);
+  };
+  const auto above_cut = [&](const Cut& at) {
+    return (1 - at.part) * above(at.cell) + at.part * above(at.cell + 1);
+  };
+  return (above_cut(bottom) - above_cut(top)) / (4 * half.prod());
 }
 
 }  // namespace ca2

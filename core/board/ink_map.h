@@ -19,13 +19,10 @@ class InkMap {
   double share(const Eigen::Vector2d& p, double width) const;
 
  private:
-  /// Black cells above and to the left of a place in the table.
-  double black_before(double column, double row) const;
-
   Eigen::Vector2d corner_;  ///< of the first cell, m
   Eigen::Vector2d cell_;    ///< m, along x and y
   int columns_ = 0, rows_ = 0;
-  std::vector<std::uint32_t> sums_;  ///< [(rows + 1) x (columns + 1)]
+  std::vector<std::int32_t> sums_;  ///< black cells above and to the left: [(rows + 1) x (columns + 1)]
 };
 
 }  // namespace ca2

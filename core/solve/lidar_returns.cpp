@@ -7,9 +7,6 @@
 namespace ca2 {
 namespace {
 
-/// Sensors have 128 at most; a file may say anything.
-constexpr int most_rings = 256;
-
 /// Returns further than this from the plane of their own board tell nothing about systematic errors, m.
 double own_gate(double sigma) {
   return 0.01 + 5 * sigma;
@@ -31,11 +28,11 @@ double margin(const Pose& T_lidar_board) {
 
 LidarReturns::LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar,
                            const std::vector<int>& chosen, const InkMap& ink)
-    : ink_(ink), sights_(views.size(), nullptr), patches_(views.size()) {
+    : sights_(views.size(), nullptr), patches_(views.size()) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (chosen[v] < 0) continue;
     sights_[v] = &views[v].lidars[lidar][static_cast<std::size_t>(chosen[v])];
-    patches_[v].emplace(*sights_[v]);
+    patches_[v].emplace(*sights_[v], ink);
   }
 }
 
@@ -46,14 +43,13 @@ RangeSums LidarReturns::as_found(std::size_t view) {
   return sums;
 }
 
-void LidarReturns::classify(const std::vector<PlacedBoard>& boards) {
+void LidarReturns::number_rings(const std::vector<PlacedBoard>& boards) {
   std::optional<int> highest = -1;
   for (const PlacedBoard& board : boards) {
     const std::optional<int> here = patches_[board.view]->highest_ring();
     highest = here && highest ? std::optional(std::max(*here, *highest)) : std::nullopt;
   }
-  classes_.rings = highest && *highest < most_rings ? *highest + 1 : 0;
-  for (const PlacedBoard& board : boards) patches_[board.view]->classify(classes_, ink_);
+  classes_.rings = highest ? *highest + 1 : 0;
 }
 
 void LidarReturns::correct(const std::vector<PlacedBoard>& boards, const RangeState& state) {
@@ -84,8 +80,7 @@ std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<Pla
     views.push_back(board.view);
   }
   const bool others = views != corrected_;
-  if (others || 4 * moved > boards.size()) classify(boards);
-  for (const PlacedBoard& board : boards) patches_[board.view]->sum_up();
+  if (others || moved > 0) number_rings(boards);
   if (others || moved > 0 || std::abs(state.sigma - corrected_sigma_) > 1e-3 * state.sigma)
     correct(boards, state);
   corrected_ = std::move(views);

@@ -46,10 +46,9 @@ class LidarReturns {
   double slope_sigma() const { return correction_.slope_sigma; }
 
  private:
-  void classify(const std::vector<PlacedBoard>& boards);
+  void number_rings(const std::vector<PlacedBoard>& boards);
   void correct(const std::vector<PlacedBoard>& boards, const RangeState& state);
 
-  const InkMap& ink_;
   std::vector<const LidarSight*> sights_;            ///< by view
   std::vector<std::optional<ReturnPatch>> patches_;  ///< by view
   RangeClasses classes_;

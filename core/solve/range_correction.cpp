@@ -20,7 +20,7 @@ RingUse use_of_rings(const RangeClasses& classes, std::span<const CorrectionEvid
   Eigen::VectorXd sine = Eigen::VectorXd::Zero(classes.rings);
   for (const CorrectionEvidence& board : boards) {
     for (const ClassSums& one : board.classes) {
-      if (one.ring < 0 || classes.rings == 0) continue;
+      if (!classes.tells(one.ring)) continue;
       counts(one.ring) += one.count;
       sine(one.ring) -= one.J(3);
     }
@@ -184,7 +184,7 @@ RangeCorrection estimate_range_correction(const RangeClasses& classes,
       total += one.count;
       Eigen::Index at[2];
       int unknowns = 0;
-      if (one.ring >= 0) at[unknowns++] = place[static_cast<std::size_t>(one.ring)];
+      if (classes.tells(one.ring)) at[unknowns++] = place[static_cast<std::size_t>(one.ring)];
       if (one.bin >= 0) at[unknowns++] = rings + one.bin;
       for (int i = 0; i < unknowns; ++i) {
         if (Hqa.col(at[i]).isZero(0)) touched.push_back(at[i]);

@@ -35,6 +35,7 @@ struct RangeClasses {
   static constexpr int bins = 6;
   int rings = 0;  ///< rings 0 .. rings - 1; 0: not told apart
 
+  bool tells(int ring) const { return ring >= 0 && ring < rings; }
   /// Of a share of ink, 0 .. 1.
   static int bin(double ink);
 };

@@ -14,19 +14,21 @@
 #include "core/geometry/pose.h"
 #include "core/solve/range_correction.h"
 #include "core/solve/range_sums.h"
+#include "core/solve/return_lanes.h"
 
 namespace ca2 {
 
 /// Which returns lie on the board changes only near its rim and near the gate. All others are summed up once
-/// per place of the board ("settled"); a move costs what the few others ("open") cost, and gives to rounding
-/// what summing everything again would.
+/// per place of the board ("settled"); a move costs what the few others ("open") cost, and gives to a
+/// micrometre or two what summing everything again would.
 class ReturnPatch {
  public:
-  explicit ReturnPatch(const LidarSight& sight);
+  /// `ink`: of the board's print, must live as long.
+  ReturnPatch(const LidarSight& sight, const InkMap& ink);
 
   /// Chooses the returns whose rays meet the plate at least `margin` [m] inside its rim, as the plate lies at
   /// T_lidar_board. `bias` and `gate` [m] are about what the sums will be asked for.
-  /// True where the board moved so far that all returns were looked at again.
+  /// True where the board moved so far that all returns were looked at, and classified, again.
   bool aim(const Outline& outline, const Pose& T_lidar_board, double margin, double bias, double gate);
   /// Chooses the returns that the finder held for the board and gives the plane that fits them best, found
   /// from `plane`: those within `gate` [m] of it take part, and make the `sums`.
@@ -36,10 +38,6 @@ class ReturnPatch {
   std::size_t count() const { return chosen_; }
   /// The highest ring of the chosen returns, -1 without any; nothing where some return's is not known.
   std::optional<int> highest_ring() const;
-  /// From now on sums are by these classes, the returns being where they were last aimed at.
-  void classify(const RangeClasses& classes, const InkMap& ink);
-  /// Sums up what is settled, if that changed. To be called before what follows.
-  void sum_up();
 
   /// The plane that fits the chosen returns best in the least-squares sense, from `plane`, those within
   /// `gate` [m] of it, their ranges corrected. `sums`, where given, are those about it.
@@ -52,20 +50,6 @@ class ReturnPatch {
   CorrectionEvidence evidence(const Plane& plane, double gate) const;
 
  private:
-  struct Return {
-    Eigen::Vector3f ray;  ///< unit
-    float height;         ///< m, where on the z axis the ray begins
-    double range;         ///< m, along the ray
-    double predicted;     ///< m, to the reference plane
-    std::uint16_t ring;
-    std::uint16_t of_class;
-    bool on_board;
-
-    /// m along the ray to the plane q, see `inverse_plane`; not positive or NaN: it does not meet it.
-    double predict(const Eigen::Vector3d& q) const;
-    /// The place this far along the ray.
-    Eigen::Vector3d at(double along) const;
-  };
   struct Open {
     std::size_t index;
     bool chosen;
@@ -77,31 +61,54 @@ class ReturnPatch {
     double bias = 0;   ///< the settled residuals lie about this, m
     double limit = 0;  ///< no further than this, m
   };
+  /// One return about the reference plane, see ClassSums.
+  struct Linear {
+    double r;
+    Eigen::Vector4d J;
+  };
+  /// Which returns take part.
+  struct Pass {
+    Eigen::Vector3d q;
+    double bias, gate;
+  };
 
   bool holds(const Place& place) const;
+  void settle(const Place& place, double margin);
   void settle_found(const Plane& plane, double gate);
+  /// Of a return whose ray meets the print at `place` [m], `range` [m] away.
+  std::uint16_t class_of(std::size_t index, const Eigen::Vector2d& place, double range);
+  void sum_up();
   /// How much further along the rays than the reference plane this one is, at most, m.
   double move_to(const Eigen::Vector3d& q) const;
-  void settle(const Place& place, double margin);
-  void add(const Return& here, CorrectionEvidence& to) const;
-  /// Everything chosen within the gate.
-  CorrectionEvidence gather(const Eigen::Vector3d& q, double bias, double gate,
-                            const RangeCorrection& correction) const;
-  RangeSums sums_of(const CorrectionEvidence& all, const RangeCorrection& correction) const;
 
-  std::vector<Return> returns_;  ///< the near ones first
-  std::size_t near_ = 0;         ///< how many of them may meet the plate close to `near_pose_`
-  Pose near_pose_;
+  /// m along the ray to the plane q, see `inverse_plane`; not positive or NaN: it does not meet it.
+  double predict(std::size_t index, const Eigen::Vector3d& q) const;
+  Linear linear(std::size_t index) const;
+  /// Do the settled ones pass for certain?
+  bool all_settled_pass(const Pass& pass, const RangeCorrection& correction) const;
+  /// Calls add(index, m by which its range is corrected) for the settled returns that pass, or only for the
+  /// open ones.
+  template <typename Add>
+  void each_passing(const Pass& pass, const RangeCorrection& correction, bool settled, const Add& add) const;
+  RangeSums corrected(const RangeCorrection& correction) const;  ///< all the settled ones'
+  /// Of all that pass; `settled`: `corrected`.
+  RangeSums sums_of(const Pass& pass, const RangeCorrection& correction, const RangeSums& settled) const;
+
+  const InkMap& ink_;
+  ReturnArrays returns_;  ///< the finder's first
+  std::size_t size_ = 0, found_ = 0;
+  std::vector<std::uint16_t> ring_, of_class_;  ///< by return
+  std::vector<int> slots_;                      ///< index of the class by ring and bin, -1: none yet
+  Eigen::VectorXd predicted_;                   ///< m along the rays to the reference plane
+  Eigen::VectorXd settled_;                     ///< 1: it is; 0: it is not
 
   std::optional<Place> place_;
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();
   std::array<Eigen::Vector3d, 4> rim_;  ///< unit rays about the settled returns
   double spread_ = 0;                   ///< of the settled residuals about the place's bias, m
-  std::size_t chosen_ = 0;
-  std::vector<std::size_t> settled_;
+  std::size_t settled_count_ = 0, chosen_ = 0;
   std::vector<Open> open_;
   CorrectionEvidence sums_;  ///< of the settled
-  bool stale_ = true;        ///< they are not of those
 };
 
 }  // namespace ca2

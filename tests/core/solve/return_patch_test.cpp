@@ -62,7 +62,8 @@ LidarSight sight_of(const Pose& pose, double sigma) {
   return sight;
 }
 
-/// What the sums stand for, of all returns, one by one, classified where the board was at first.
+/// What the sums stand for, of all returns, one by one, classified where the board was when they were last
+/// all looked at.
 RangeSums one_by_one(const LidarSight& sight, const Pose& first, const Pose& pose,
                      const Eigen::Vector3d& reference, double bias, double gate, const InkMap& ink,
                      const RangeCorrection& correction) {
@@ -92,13 +93,12 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
   const double gate = 0.05, bias = 0.004;
   const Pose base = board_pose();
   const LidarSight sight = sight_of(base, 0.008);
-  ReturnPatch patch(sight);
-  patch.aim(outline, base, margin, bias, gate);
+  const InkMap ink(board());
+  ReturnPatch patch(sight, ink);
+  EXPECT_TRUE(patch.aim(outline, base, margin, bias, gate));
   ASSERT_TRUE(patch.highest_ring());
   const RangeClasses classes{*patch.highest_ring() + 1};
   EXPECT_GT(classes.rings, 10);
-  const InkMap ink(board());
-  patch.classify(classes, ink);
   RangeCorrection correction;
   correction.by_bin = {-0.001, 0, 0.001, 0.001, 0.002, 0.003};
   correction.by_ring.assign(static_cast<std::size_t>(classes.rings), 0);
@@ -106,15 +106,14 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
     correction.by_ring[i] = 0.002 * static_cast<double>(i % 3);
   std::mt19937_64 rng(5);
   std::normal_distribution<double> step(0, GetParam());
-  Pose pose = base;
+  Pose pose = base, classified = base;
   for (int move = 0; move < 20; ++move) {
     Vector6d d;
     for (int k = 0; k < 6; ++k) d(k) = step(rng);
     pose = pose.perturbed(d);
-    patch.aim(outline, pose, margin, bias, gate);
-    patch.sum_up();
+    if (patch.aim(outline, pose, margin, bias, gate)) classified = pose;
     const RangeSums sums = patch.sums(board_plane(pose), bias, gate, correction);
-    const RangeSums all = one_by_one(sight, base, pose, sums.reference, bias, gate, ink, correction);
+    const RangeSums all = one_by_one(sight, classified, pose, sums.reference, bias, gate, ink, correction);
     ASSERT_EQ(sums.weight, all.weight) << move;
     EXPECT_GT(sums.weight, 1000);
     // The points are rounded to floats, and again after their correction.
@@ -138,7 +137,8 @@ TEST(ReturnPatch, FitFindsThePlaneFromAfar) {
     return std::abs(board_plane(pose).distance(here.point.cast<double>())) > 1e-3;
   });
   ASSERT_GT(sight.on_board.size(), 200u);
-  ReturnPatch patch(sight);
+  const InkMap ink(board());
+  ReturnPatch patch(sight, ink);
   Vector6d off;
   off << 0.1, -0.1, 0.05, 0, 0, 0.1;
   const Plane fit = patch.fit_found(board_plane(pose.perturbed(off)), 10);
