@@ -7,40 +7,40 @@ namespace ca2 {
 
 RimPolygon::RimPolygon(double middle, double reach) {
   for (const auto& [u, v] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}})
-    corners_.emplace_back(middle + u * reach, middle + v * reach);
+    corners_[count_++] = {middle + u * reach, middle + v * reach};
 }
 
 void RimPolygon::cut(const Eigen::Vector2d& weights, double bound) {
-  if (!exceeds(weights, bound)) return;
-  next_.clear();
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Eigen::Vector2d& here = corners_[i];
-    const Eigen::Vector2d& there = corners_[(i + 1) % corners_.size()];
-    const double excess = weights.dot(here) - bound, next_excess = weights.dot(there) - bound;
-    if (excess <= 0) next_.push_back(here);
-    if ((excess < 0 && next_excess > 0) || (excess > 0 && next_excess < 0))
-      next_.push_back(here + excess / (excess - next_excess) * (there - here));
+  std::array<double, most> excess;
+  bool any = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    excess[i] = weights.dot(corners_[i]) - bound;
+    any = any || excess[i] > 0;
   }
-  corners_.swap(next_);
-  if (corners_.size() < 3) corners_.clear();
-}
-
-bool RimPolygon::exceeds(const Eigen::Vector2d& weights, double bound) const {
-  return std::any_of(corners_.begin(), corners_.end(),
-                     [&](const Eigen::Vector2d& corner) { return weights.dot(corner) > bound; });
+  if (!any || count_ == most) return;
+  std::array<Eigen::Vector2d, most> left;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const std::size_t next = i + 1 < count_ ? i + 1 : 0;
+    if (excess[i] <= 0) left[count++] = corners_[i];
+    if ((excess[i] < 0 && excess[next] > 0) || (excess[i] > 0 && excess[next] < 0))
+      left[count++] = corners_[i] + excess[i] / (excess[i] - excess[next]) * (corners_[next] - corners_[i]);
+  }
+  count_ = count < 3 ? 0 : count;
+  std::copy_n(left.begin(), count_, corners_.begin());
 }
 
 bool RimPolygon::limited_by(const Eigen::Vector2d& weights, double bound) const {
   constexpr double rounding = 1e-12;  // rad
-  return std::any_of(corners_.begin(), corners_.end(), [&](const Eigen::Vector2d& corner) {
+  return std::ranges::any_of(corners(), [&](const Eigen::Vector2d& corner) {
     return std::abs(weights.dot(corner) - bound) < rounding;
   });
 }
 
 double RimPolygon::area() const {
   double twice = 0;
-  for (std::size_t i = 0; i < corners_.size(); ++i) {
-    const Eigen::Vector2d& next = corners_[(i + 1) % corners_.size()];
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector2d& next = corners_[(i + 1) % count_];
     twice += corners_[i].x() * next.y() - corners_[i].y() * next.x();
   }
   return 0.5 * std::abs(twice);
@@ -51,7 +51,7 @@ RimPolygon::Moments RimPolygon::moments() const {
   double area = 0;
   Eigen::Vector2d first = Eigen::Vector2d::Zero();
   Eigen::Matrix2d second = Eigen::Matrix2d::Zero();
-  for (std::size_t i = 1; i + 1 < corners_.size(); ++i) {
+  for (std::size_t i = 1; i + 1 < count_; ++i) {
     const Eigen::Vector2d a = corners_[i] - corners_[0], b = corners_[i + 1] - corners_[0];
     const double triangle = 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
     const Eigen::Vector2d sum = a + b;

@@ -2,22 +2,23 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
+#include <array>
+#include <cstddef>
+#include <span>
 
 namespace ca2 {
 
 /// The places (u, v) that are left for the two ends of a rim: a convex polygon, since every ray bounds a
-/// linear function of them.
+/// linear function of them. Never allocates.
 class RimPolygon {
  public:
   /// At first both ends are within `reach` of `middle`.
   RimPolygon(double middle, double reach);
 
-  /// Leaves where weights.(u, v) <= bound.
+  /// Leaves where weights.(u, v) <= bound. A polygon with as many corners as there is room for is left as it
+  /// is: no more could be cut off than hardly anything.
   void cut(const Eigen::Vector2d& weights, double bound);
-  bool empty() const { return corners_.empty(); }
-  /// Is there a place with more than that?
-  bool exceeds(const Eigen::Vector2d& weights, double bound) const;
+  bool empty() const { return count_ == 0; }
   /// Does weights.(u, v) <= bound limit it: does a corner lie on that line?
   bool limited_by(const Eigen::Vector2d& weights, double bound) const;
   double area() const;
@@ -30,8 +31,11 @@ class RimPolygon {
   Moments moments() const;
 
  private:
-  std::vector<Eigen::Vector2d> corners_;  ///< in order round it
-  std::vector<Eigen::Vector2d> next_;     ///< while cutting
+  static constexpr std::size_t most = 64;
+  std::span<const Eigen::Vector2d> corners() const { return {corners_.data(), count_}; }
+
+  std::array<Eigen::Vector2d, most> corners_;  ///< the first so many, in order round it
+  std::size_t count_ = 0;
 };
 
 }  // namespace ca2
