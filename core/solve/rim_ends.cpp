@@ -24,51 +24,71 @@ RimPolygon possible_ends(std::span<const RimRay> rays, const EndSearch& search) 
   return ends;
 }
 
-/// The rays that limit what is possible, by index. Where nothing is, the ray that takes the last of it, and
-/// those that limit the rest until then: it contradicts them.
-std::vector<std::size_t> limiting(std::span<const RimRay> rays, const EndSearch& search) {
-  std::size_t count = rays.size();
-  RimPolygon ends(search.middle, search.reach);
-  for (std::size_t i = 0; i < count; ++i) {
-    ends.cut(rays[i].weights, rays[i].bound + search.blur);
-    if (ends.empty()) count = i;
+/// What is possible, and what would be with each of the rays that limit it a stray one.
+class Limits {
+ public:
+  Limits(std::span<const RimRay> rays, const EndSearch& search) : ends(possible_ends(rays, search)) {
+    if (!(search.stray_share > 0)) return;
+    find(rays, search);
+    std::vector<bool> limits(rays.size(), false);
+    for (const std::size_t i : limiting) limits[i] = true;
+    RimPolygon others(search.middle, search.reach);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (!limits[i]) others.cut(rays[i].weights, rays[i].bound + search.blur);
+    }
+    for (const std::size_t stray : limiting) {
+      RimPolygon& with = with_stray.emplace_back(others);
+      for (const std::size_t i : limiting)
+        with.cut(rays[i].weights, rays[i].bound + search.blur + (i == stray ? rays[i].slip : 0));
+    }
   }
-  if (ends.empty()) ends = possible_ends(rays.first(count), search);
-  std::vector<std::size_t> list;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (ends.limited_by(rays[i].weights, rays[i].bound + search.blur)) list.push_back(i);
-  }
-  if (count < rays.size()) list.push_back(count);
-  return list;
-}
 
-/// What is possible with the ray at `index` a stray one.
-RimPolygon with_stray(std::vector<RimRay>& rays, std::size_t index, const EndSearch& search) {
-  const double bound = rays[index].bound;
-  rays[index].bound += rays[index].slip;
-  RimPolygon ends = possible_ends(rays, search);
-  rays[index].bound = bound;
-  return ends;
-}
+  RimPolygon ends;
+  std::vector<std::size_t> limiting;   ///< rays by index
+  std::vector<RimPolygon> with_stray;  ///< by limiting ray; only where rays may be stray ones
+
+ private:
+  /// Where nothing is possible, the ray that takes the last of it, and those that limit the rest until then:
+  /// it contradicts them.
+  void find(std::span<const RimRay> rays, const EndSearch& search) {
+    std::size_t count = rays.size();
+    RimPolygon left = ends;
+    if (ends.empty()) {
+      left = RimPolygon(search.middle, search.reach);
+      for (std::size_t i = 0; i < count; ++i) {
+        RimPolygon next = left;
+        next.cut(rays[i].weights, rays[i].bound + search.blur);
+        if (next.empty()) {
+          count = i;
+        } else {
+          left = next;
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      if (left.limited_by(rays[i].weights, rays[i].bound + search.blur)) limiting.push_back(i);
+    }
+    if (count < rays.size()) limiting.push_back(count);
+  }
+};
 
 /// Takes one ray for what it is, if it is surely a stray one.
-bool settle_stray(std::vector<RimRay>& rays, const EndSearch& search) {
-  const double area = possible_ends(rays, search).area();
-  const std::vector<std::size_t> candidates = limiting(rays, search);
+bool settle_stray(std::vector<RimRay>& rays, const EndSearch& search, const Limits& limits) {
+  const double area = limits.ends.area();
   std::optional<std::size_t> stray;
   double most = sure_odds * area / search.stray_share;
-  for (const std::size_t i : candidates) {
-    const double other = with_stray(rays, i, search).area();
+  for (std::size_t k = 0; k < limits.limiting.size(); ++k) {
+    const double other = limits.with_stray[k].area();
     if (!(other > most)) continue;
     most = other;
-    stray = i;
+    stray = limits.limiting[k];
   }
   if (stray) {
     rays[*stray].bound += rays[*stray].slip;
     return true;
   }
   if (area > 0) return false;
-  for (const std::size_t i : candidates) {
+  for (const std::size_t i : limits.limiting) {
     std::vector<RimRay> others = rays;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const double other = possible_ends(others, search).area();
@@ -82,14 +102,13 @@ bool settle_stray(std::vector<RimRay>& rays, const EndSearch& search) {
 }
 
 /// What is possible is as probable as it is large, and as its rays are.
-RimPolygon::Moments moments_of(std::vector<RimRay>& rays, const EndSearch& search, const RimPolygon& ends) {
-  const RimPolygon::Moments all = ends.moments();
-  double total = ends.area();
+RimPolygon::Moments moments_of(const EndSearch& search, const Limits& limits) {
+  const RimPolygon::Moments all = limits.ends.moments();
+  double total = limits.ends.area();
   if (!(search.stray_share > 0) || !(total > 0)) return all;
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();  // from that of all
   Eigen::Matrix2d second = total * all.covariance;
-  for (const std::size_t i : limiting(rays, search)) {
-    const RimPolygon other = with_stray(rays, i, search);
+  for (const RimPolygon& other : limits.with_stray) {
     const double weight = search.stray_share * other.area();
     if (!(weight > 0)) continue;
     const RimPolygon::Moments one = other.moments();
@@ -106,21 +125,21 @@ RimPolygon::Moments moments_of(std::vector<RimRay>& rays, const EndSearch& searc
 
 std::optional<RimEnds> find_rim_ends(std::vector<RimRay> rays, EndSearch search) {
   std::size_t strays = search.stray_share > 0 ? 1 + rays.size() / rays_per_stray : 0;
-  while (strays > 0 && settle_stray(rays, search)) --strays;
-  RimPolygon ends = possible_ends(rays, search);
+  Limits limits(rays, search);
+  for (; strays > 0 && settle_stray(rays, search, limits); --strays) limits = Limits(rays, search);
   double needed = 0;
-  if (ends.empty()) {
-    while (ends.empty() && search.blur < most_blur) {
+  if (limits.ends.empty()) {
+    while (limits.ends.empty() && search.blur < most_blur) {
       search.blur = std::max(2 * search.blur, least_blur);
-      ends = possible_ends(rays, search);
+      limits.ends = possible_ends(rays, search);
     }
-    if (ends.empty()) return std::nullopt;
+    if (limits.ends.empty()) return std::nullopt;
     // What is just possible is a point, and much too sure: twice the blur that makes it possible.
     needed = search.blur;
     search.blur *= 2;
-    ends = possible_ends(rays, search);
+    limits = Limits(rays, search);
   }
-  const RimPolygon::Moments moments = moments_of(rays, search, ends);
+  const RimPolygon::Moments moments = moments_of(search, limits);
   return RimEnds{moments.mean, moments.covariance, needed};
 }
 

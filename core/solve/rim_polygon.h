@@ -31,7 +31,7 @@ class RimPolygon {
   Moments moments() const;
 
  private:
-  static constexpr std::size_t most = 64;
+  static constexpr std::size_t most = 32;
   std::span<const Eigen::Vector2d> corners() const { return {corners_.data(), count_}; }
 
   std::array<Eigen::Vector2d, most> corners_;  ///< the first so many, in order round it
