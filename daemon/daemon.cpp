@@ -222,6 +222,7 @@ DaemonStatus Daemon::status() {
   status.storage_problem = capture_->storage_problem();
   status.recording = recorder_.directory();
   status.recording_dropped = recorder_.dropped();
+  status.store_cost = capture_->store_cost();
   status.refused_commands = lcm_door_ ? lcm_door_->refused() : 0;
   return status;
 }

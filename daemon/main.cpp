@@ -119,6 +119,10 @@ int main(int argc, char** argv) {
   // Pictures are made by one thread and given back by another: with an arena per thread each of them would
   // keep the room that was ever needed.
   mallopt(M_ARENA_MAX, 2);
+  // What is as large as a picture comes from the system and goes back at once. (By default the limit grows
+  // with what is given back, and a view's gathered returns leave holes that nothing fits into.)
+  mallopt(M_MMAP_THRESHOLD, 512 << 10);
+  mallopt(M_TRIM_THRESHOLD, 2 << 20);
   ca2::Arguments arguments;
   CLI::App app("The capture daemon: sees the board in every sensor, captures when it is still.", "ca2d");
   app.set_version_flag("--version", "ca2d " CA2_VERSION);

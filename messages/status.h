@@ -24,6 +24,13 @@ struct SensorHealth {
   double clock_sigma = std::numeric_limits<double>::quiet_NaN();  ///< s; NaN: not known
 };
 
+/// What storing views has cost so far, of a CPU.
+struct StoreCost {
+  std::uint64_t views = 0;
+  double saving = 0;     ///< s: gathering, encoding and writing them
+  double searching = 0;  ///< s: for the board in them, whose features a solve takes
+};
+
 struct DaemonStatus {
   std::int64_t time = 0;  ///< ns UTC
   std::uint64_t sequence = 0;
@@ -35,6 +42,7 @@ struct DaemonStatus {
   std::string storage_problem;  ///< why views are not being written; empty when they are
   std::string recording;        ///< directory that raw input goes to; empty: not recording
   std::uint64_t recording_dropped = 0;
+  StoreCost store_cost;
   std::uint64_t refused_commands = 0;  ///< signed ones, for whatever reason
 };
 
@@ -46,7 +54,8 @@ std::string_view state_name(CaptureState state);
 nlohmann::json to_json(const DaemonStatus& status);
 Result<DaemonStatus> status_from_json(const nlohmann::json& json);
 
-/// The LCM form. Both hold the same, except that LCM's time is in us and refusals are one number.
+/// The LCM form. Both hold the same, except that LCM's time is in us, refusals are one number, and what views
+/// cost and what holds had no room for is not in it.
 status_v1_t to_lcm(const DaemonStatus& status);
 DaemonStatus from_lcm(const status_v1_t& message);
 

@@ -39,6 +39,7 @@ json sensor_json(const SensorStatus& sensor, const SensorHealth& health) {
           {"rate", number(sensor.rate)},
           {"frames", sensor.frames},
           {"shed", sensor.shed},
+          {"let_go", sensor.let_go},
           {"lost", health.lost},
           {"reopened", health.reopened},
           {"motion", number(sensor.motion)},
@@ -55,6 +56,7 @@ void read_sensor(const json& in, DaemonStatus& out) {
   sensor.rate = to_number(in.at("rate"));
   sensor.frames = in.at("frames");
   sensor.shed = in.at("shed");
+  sensor.let_go = in.at("let_go");
   sensor.motion = to_number(in.at("motion"));
   sensor.motion_limit = to_number(in.at("motion_limit"));
   SensorHealth& health = out.sensors[sensor.name];
@@ -109,6 +111,8 @@ DaemonStatus read_status(const json& in) {
   out.storage_problem = in.at("storage_problem");
   out.recording = in.at("recording");
   out.recording_dropped = in.at("recording_dropped");
+  const json& cost = in.at("store_cost");
+  out.store_cost = {cost.at("views"), cost.at("saving"), cost.at("searching")};
   out.refused_commands = in.at("refused_commands");
   return out;
 }
@@ -155,6 +159,10 @@ json to_json(const DaemonStatus& status) {
           {"storage_problem", status.storage_problem},
           {"recording", status.recording},
           {"recording_dropped", status.recording_dropped},
+          {"store_cost",
+           {{"views", status.store_cost.views},
+            {"saving", status.store_cost.saving},
+            {"searching", status.store_cost.searching}}},
           {"refused_commands", status.refused_commands}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "core/types/text.h"
@@ -18,7 +19,7 @@ constexpr double periods_kept = 4.5;
 // Of the scans that fit into the dwell; the others may have begun before it, or be lost.
 constexpr double enough_scans = 0.7;
 // When a hold began is seen while it lasts, and differently by every picture: by less than this.
-constexpr std::int64_t settling = 300'000'000;  // ns
+constexpr std::int64_t settling = 150'000'000;  // ns
 
 std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
   std::string list;
@@ -62,6 +63,32 @@ const std::string* late_lidar(const Tracks& tracks, const CaptureOptions& option
     if (static_cast<double>(lidar.within(a.since, a.newest).size()) < needed) return &tracks.lidar_names[i];
   }
   return nullptr;
+}
+
+/// Lets go of the oldest of all sensors first, so that all reach equally far back; never of what a sensor
+/// needs for a view: the last dwell, of a slow camera the last pictures.
+void keep_to_budget(Tracks& tracks, const CaptureOptions& options, std::size_t budget) {
+  const auto dwell = static_cast<std::int64_t>(1e9 * options.dwell) + settling;
+  std::size_t bytes = 0;
+  for (CameraTrack& camera : tracks.cameras) bytes += camera.kept().bytes();
+  for (LidarTrack& lidar : tracks.lidars) bytes += lidar.kept().bytes();
+  while (bytes > budget) {
+    std::function<std::size_t()> let_go;
+    std::int64_t oldest = std::numeric_limits<std::int64_t>::max();
+    const auto look = [&](auto& track, std::int64_t needed) {
+      const auto* kept = track.kept().oldest();
+      if (!kept || kept->time >= oldest || kept->time >= track.newest()->time - needed) return;
+      oldest = kept->time;
+      let_go = [&track] { return track.count_let_go(), track.kept().let_go_of_oldest(); };
+    };
+    for (CameraTrack& camera : tracks.cameras) {
+      const std::int64_t period = camera.rhythm().period().value_or(0);
+      look(camera, std::max(dwell, static_cast<std::int64_t>(fewest_pictures) * period));
+    }
+    for (LidarTrack& lidar : tracks.lidars) look(lidar, dwell);
+    if (!let_go) return;
+    bytes -= let_go();
+  }
 }
 
 }  // namespace
@@ -137,23 +164,25 @@ Assessment assess(const Tracks& tracks, const CaptureOptions& options, std::int6
 }
 
 void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Assessment& assessment,
-                      bool decided) {
+                      std::optional<std::int64_t> decided, std::size_t budget) {
   const bool held =
       assessment.phase == Assessment::Phase::holding || assessment.phase == Assessment::Phase::ready;
-  const auto dwell = static_cast<std::int64_t>(1e9 * options.dwell);
   const auto oldest = [&](std::int64_t newest, std::int64_t lag) {
-    // For whoever asks for a view of this hold all the same.
-    if (decided) return newest - dwell;
+    if (decided) return std::min(*decided, newest - settling);
     if (assessment.phase == Assessment::Phase::absent) return newest - settling - lag;
     return std::min(assessment.since, newest) - settling - (held ? 0 : lag);
   };
   for (CameraTrack& camera : tracks.cameras) {
     if (camera.newest()) camera.release_before(oldest(camera.newest()->time, 0));
   }
-  // A scan is there before the picture that tells of a hold in it has been searched.
+  // A scan is there before the picture that tells of a hold in it has been searched; and a person who wants a
+  // view at once gets whole revolutions.
   for (LidarTrack& lidar : tracks.lidars) {
-    if (lidar.newest()) lidar.release_before(oldest(lidar.newest()->time, 3 * lidar.period()));
+    if (lidar.newest())
+      lidar.release_before(oldest(lidar.newest()->time, 3 * lidar.period()) -
+                           (decided ? 2 * lidar.period() : 0));
   }
+  keep_to_budget(tracks, options, budget);
 }
 
 }  // namespace ca2

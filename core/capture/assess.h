@@ -42,10 +42,11 @@ std::string too_slow_text(const std::string& name, const CameraTrack& camera);
 /// Tracks reach back so far that a hold before the slowest camera fits.
 void look_back_far_enough(Tracks& tracks, const CaptureOptions& options, std::int64_t now);
 
-/// Lets go of the pictures and scans that can be in no view any more: those of before the hold, and, once it
-/// is decided what becomes of the hold, all but those of the last dwell. A second of a rig's pictures is a
-/// hundred megabytes.
+/// Lets go of the pictures and scans that can be in no view any more: those of before the hold, and those of
+/// before `decided`, when it was decided what becomes of the hold. A second of a rig's pictures is a hundred
+/// megabytes. Of a hold that goes on undecided, a dwell is kept in any case, and of what is older as much as
+/// fits into `budget` bytes, all sensors together.
 void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Assessment& assessment,
-                      bool decided);
+                      std::optional<std::int64_t> decided, std::size_t budget = 64'000'000);
 
 }  // namespace ca2

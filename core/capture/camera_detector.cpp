@@ -59,7 +59,9 @@ std::vector<Corner> CameraDetector::search_region(const Image& grey8) const {
 }
 
 CameraObservation CameraDetector::detect(std::int64_t time, std::shared_ptr<const Image> image) {
-  const Image grey8 = to_grey8(*image);
+  const bool is_grey8 = image->channels == 1 && image->bits == 8;
+  const Image converted = is_grey8 ? Image() : to_grey8(*image);
+  const Image& grey8 = is_grey8 ? *image : converted;
   std::vector<Corner> corners;
   if (!last_.empty()) corners = track_board(board_, grey8, expected());
   if (corners.empty() && !last_.empty()) corners = search_region(grey8);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/capture/kept_data.h"
 #include "core/capture/observation.h"
 #include "core/capture/rhythm.h"
 
@@ -42,6 +43,11 @@ class CameraTrack {
   /// Pictures taken before are in no view any more: only what was found in them is kept.
   void release_before(std::int64_t time);
 
+  KeptData<CameraObservation, Image> kept() { return {samples_, &CameraObservation::image}; }
+  /// A picture of a hold was let go of for want of room.
+  void count_let_go() { ++let_go_; }
+  std::uint64_t let_go() const { return let_go_; }
+
   const CameraObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
   const Rhythm& rhythm() const { return rhythm_; }
   std::uint64_t frames() const { return frames_; }
@@ -60,7 +66,7 @@ class CameraTrack {
   std::int64_t history_ = 2'000'000'000;
   std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first
   Rhythm rhythm_;
-  std::uint64_t frames_ = 0, shed_ = 0;
+  std::uint64_t frames_ = 0, shed_ = 0, let_go_ = 0;
 };
 
 }  // namespace ca2

@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "core/capture/kept_data.h"
 #include "core/capture/observation.h"
 #include "core/capture/rhythm.h"
 
@@ -31,6 +32,11 @@ class LidarTrack {
   /// Scans measured before are in no view any more: only what was found in them is kept. Never the newest.
   void release_before(std::int64_t time);
 
+  KeptData<LidarObservation, Scan> kept() { return {samples_, &LidarObservation::scan}; }
+  /// A scan of a hold was let go of for want of room.
+  void count_let_go() { ++let_go_; }
+  std::uint64_t let_go() const { return let_go_; }
+
   const LidarObservation* newest() const { return samples_.empty() ? nullptr : &samples_.back(); }
   const Rhythm& rhythm() const { return rhythm_; }
   /// ns: what a revolution takes.
@@ -42,7 +48,7 @@ class LidarTrack {
   std::int64_t history_ = 2'000'000'000;
   std::deque<LidarObservation> samples_;  ///< searched scans, oldest first
   Rhythm rhythm_;
-  std::uint64_t frames_ = 0, shed_ = 0;
+  std::uint64_t frames_ = 0, shed_ = 0, let_go_ = 0;
 };
 
 /// How far two planes are apart at the places where they were seen, m.

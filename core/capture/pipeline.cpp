@@ -58,7 +58,7 @@ struct CapturePipeline::State {
   std::optional<Calibration> calibration;
   std::string verdict;
   Request request = Request::none;
-  std::int64_t requested = 0;  ///< ns
+  std::int64_t requested = 0;  ///< ns: when_still
   Hold hold;
   Assessment assessment;
   std::int64_t now = 0;
@@ -117,15 +117,24 @@ struct CapturePipeline::State {
     // Still since before the end of what was known of the hold: the same one.
     if (hold.active && (!still || assessment.since > hold.end)) hold = {};
     if (assessment.phase == Assessment::Phase::moving && assessment.since > picked) picks.clear();
-    release_unneeded(tracks, options, assessment, hold.decided);
+    release_unneeded(tracks, options, assessment, needed_since());
     if (assessment.phase != Assessment::Phase::ready) return;
     hold.active = true;
     hold.end = std::max(hold.end, assessment.newest);
     const bool wanted = options.automatic && !hold.decided;
     if (!wanted && request != Request::when_still) return;
     if (writing || assessment.newest - hold.tried < retry) return;
+    const std::int64_t since = std::max(assessment.since, needed_since().value_or(assessment.since));
+    if (hold.decided && 1e-9 * static_cast<double>(assessment.newest - since) < options.dwell) return;
     hold.tried = assessment.newest;
-    attempt(assessment.since, assessment.newest, actions);
+    attempt(since, assessment.newest, actions);
+  }
+
+  /// ns: once it is decided what becomes of a hold, what was seen before is not needed; who asks for a view
+  /// of it all the same gets one of the dwell that follows. Nothing: it is not decided.
+  std::optional<std::int64_t> needed_since() const {
+    if (!hold.decided) return std::nullopt;
+    return request == Request::when_still ? requested : std::numeric_limits<std::int64_t>::max();
   }
 
   /// Takes the view from `since` to `newest`, or says why not.
@@ -212,7 +221,7 @@ struct CapturePipeline::State {
     if (writing) {
       status.state = CaptureState::capturing;
       status.reason = formatted("writing view %d", *writing);
-    } else if (hold.active && hold.decided && current.phase != Phase::absent) {
+    } else if (hold.active && hold.decided && current.phase != Phase::absent && request == Request::none) {
       status.state = hold.reason.empty() ? CaptureState::captured : CaptureState::holding;
       status.reason = hold.reason.empty() ? "captured: show the next pose" : hold.reason;
     } else if (current.phase == Phase::absent) {
@@ -282,6 +291,7 @@ CaptureActions CapturePipeline::capture(std::int64_t time, bool now) {
     return actions;
   }
   state_->request = now ? Request::at_once : Request::when_still;
+  state_->requested = state_->now;
   state_->hold.tried = 0;
   if (now)
     state_->attempt_at_once(time, actions);

@@ -15,6 +15,7 @@ SensorStatus camera_status(const Tracks& tracks, std::size_t camera_index, const
   status.rate = status.silent ? 0 : camera.rhythm().rate();
   status.frames = camera.frames();
   status.shed = camera.shed();
+  status.let_go = camera.let_go();
   status.sees_board = !status.silent && camera.newest() && !camera.newest()->corners.empty();
   const auto still = camera.stillness(time, options.board_motion, options.dwell);
   status.motion = still ? still->motion : std::nan("");
@@ -31,6 +32,7 @@ SensorStatus lidar_status(const Tracks& tracks, std::size_t lidar_index, const C
   status.rate = status.silent ? 0 : lidar.rhythm().rate();
   status.frames = lidar.frames();
   status.shed = lidar.shed();
+  status.let_go = lidar.let_go();
   status.motion = std::nan("");
   status.motion_limit = options.lidar_motion;
   if (status.silent || !lidar.newest()) return status;

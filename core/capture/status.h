@@ -30,6 +30,7 @@ struct SensorStatus {
   std::uint64_t shed = 0;    ///< not searched for want of time
   double motion = 0;         ///< camera: px; LiDAR: m, over the stillness window; NaN: not known
   double motion_limit = 0;   ///< in the same unit
+  std::uint64_t let_go = 0;  ///< pictures or scans of a hold that went on, let go of for want of memory
 };
 
 struct CaptureStatus {

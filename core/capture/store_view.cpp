@@ -14,7 +14,8 @@ const Pick* pick_of(const StoreView& view, const std::string& lidar) {
 
 }  // namespace
 
-Result<ViewSights> store_view(Session& session, const StoreView& view) {
+Result<ViewSights> store_view(Session& session, StoreView& view, const StoreProgress& progress) {
+  progress(StoreStep::saving);
   Result<ViewWriter> writer = ViewWriter::begin(session.directory, view.id, view.details);
   if (!writer) return fail(writer.error());
   std::vector<SensorFile> files;
@@ -28,23 +29,29 @@ Result<ViewSights> store_view(Session& session, const StoreView& view) {
     return file;
   };
   for (const auto& [name, image] : view.images) {
-    const auto content = writer->add(name, image);
+    const auto content = writer->add(name, image, PngData::stored);
     if (!content) return fail(content.error());
+    progress(StoreStep::searching);
     search_image(begin_file(name, true, content), session.rig.board, image);
+    progress(StoreStep::saving);
   }
-  for (const auto& [name, scans] : view.scans) {
-    const Scan scan = gathered_scan(scans);
+  for (auto& [name, scans] : view.scans) {
+    if (scans.size() > 1) scans = {std::make_shared<const Scan>(gathered_scan(std::move(scans)))};
+    const Scan& scan = *scans.front();
     const auto content = writer->add(name, scan);
     if (!content) return fail(content.error());
     SensorFile& file = begin_file(name, false, content);
     file.pick = pick_of(view, name);
+    progress(StoreStep::searching);
     search_cloud(file, session.rig.board, scan);
+    progress(StoreStep::saving);
   }
   Result<SessionView> written = writer->finish();
   if (!written) return fail(written.error());
   for (SensorFile& file : files)
     file.path = (file.is_image ? written->images : written->clouds).at(file.sensor);
   session.views.push_back(std::move(*written));
+  progress(StoreStep::searching);
   keep_found(session, files);
   return view_sights(session, std::move(files));
 }

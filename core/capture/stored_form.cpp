@@ -4,7 +4,7 @@
 
 namespace ca2 {
 
-StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map<int, Pick>& picks, int id,
+StoreView stored_form(const HeldView& view, Tracks& tracks, const std::map<int, Pick>& picks, int id,
                       bool automatic) {
   StoreView action;
   action.id = id;
@@ -17,6 +17,7 @@ StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map
     details.corners[name] = camera.corners.size();
     action.images[name] = mean_image(camera.pictures);
     for (const CameraObservation* picture : camera.pictures) details.stamps[name].push_back(picture->time);
+    tracks.cameras[c].release_before(camera.pictures.back()->time);
   }
   for (const auto& [l, lidar] : view.lidars) {
     const std::string& name = tracks.lidar_names[l];

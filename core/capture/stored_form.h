@@ -9,8 +9,9 @@
 
 namespace ca2 {
 
-/// The mean pictures, the scans (shared with the tracks) and the text of view.yaml. `picks`: by LiDAR.
-StoreView stored_form(const HeldView& view, const Tracks& tracks, const std::map<int, Pick>& picks, int id,
+/// The mean pictures, the scans (shared with the tracks) and the text of view.yaml. `picks`: by LiDAR. The
+/// tracks let go of a camera's pictures as soon as their mean is there.
+StoreView stored_form(const HeldView& view, Tracks& tracks, const std::map<int, Pick>& picks, int id,
                       bool automatic);
 
 }  // namespace ca2

@@ -1,6 +1,7 @@
 #include "core/capture/view_builder.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "core/io/yaml_text.h"
@@ -23,24 +24,33 @@ class Means {
   /// `count` samples at `first` of every picture.
   void put(const std::vector<const Image*>& pictures, std::size_t first, std::size_t count,
            std::uint8_t* to) const {
-    std::uint32_t sums[block] = {};
     std::uint16_t means[block];
-    for (const Image* picture : pictures) {
-      if (bits_ == 8)
-        add<std::uint8_t>(*picture, first, count, sums);
-      else
-        add<std::uint16_t>(*picture, first, count, sums);
+    if (bits_ == 8 && count_ <= most_in_16_bits) {
+      const auto sums = sum<std::uint8_t, std::uint16_t>(pictures, first, count);
+      for (std::size_t i = 0; i < count; ++i) means[i] = table_[sums[i]];
+    } else if (bits_ == 8) {
+      const auto sums = sum<std::uint8_t, std::uint32_t>(pictures, first, count);
+      for (std::size_t i = 0; i < count; ++i) means[i] = table_[sums[i]];
+    } else {
+      const auto sums = sum<std::uint16_t, std::uint32_t>(pictures, first, count);
+      for (std::size_t i = 0; i < count; ++i) means[i] = mean(sums[i]);
     }
-    for (std::size_t i = 0; i < count; ++i) means[i] = bits_ == 8 ? table_[sums[i]] : mean(sums[i]);
     std::memcpy(to, means, 2 * count);
   }
 
  private:
-  template <class Sample>
-  static void add(const Image& picture, std::size_t first, std::size_t count, std::uint32_t* sums) {
-    Sample samples[block];
-    std::memcpy(samples, picture.bytes.data() + first * sizeof(Sample), count * sizeof(Sample));
-    for (std::size_t i = 0; i < count; ++i) sums[i] += samples[i];
+  static constexpr std::uint32_t most_in_16_bits = 257;  // pictures
+
+  template <class Sample, class Sum>
+  static std::array<Sum, block> sum(const std::vector<const Image*>& pictures, std::size_t first,
+                                    std::size_t count) {
+    std::array<Sum, block> sums{};
+    Sample samples[block] = {};
+    for (const Image* picture : pictures) {
+      std::memcpy(samples, picture->bytes.data() + first * sizeof(Sample), count * sizeof(Sample));
+      for (std::size_t i = 0; i < block; ++i) sums[i] = static_cast<Sum>(sums[i] + samples[i]);
+    }
+    return sums;
   }
 
   std::uint16_t mean(std::uint32_t sum) const {
@@ -52,16 +62,33 @@ class Means {
   std::vector<std::uint16_t> table_;  ///< by sum, of 8-bit samples
 };
 
+/// Room for an array that all of the scans have; who has it without room need not be appended to.
 template <class T>
-void append(std::vector<T>& all, const std::vector<std::shared_ptr<const Scan>>& scans,
-            std::vector<T> Scan::*array) {
+void reserve(std::vector<T>& all, const std::vector<std::shared_ptr<const Scan>>& scans,
+             std::vector<T> Scan::*array) {
   std::size_t size = 0;
-  for (const auto& scan : scans) size += ((*scan).*array).size();
-  all.reserve(size);
   for (const auto& scan : scans) {
-    const std::vector<T>& more = (*scan).*array;
-    all.insert(all.end(), more.begin(), more.end());
+    if (((*scan).*array).size() != scan->size()) return;
+    size += scan->size();
   }
+  all.reserve(size);
+}
+
+template <class T>
+void append(std::vector<T>& all, const Scan& scan, std::vector<T> Scan::*array) {
+  const std::vector<T>& more = scan.*array;
+  if (all.capacity() > 0) all.insert(all.end(), more.begin(), more.end());
+}
+
+/// What `f` does with each of the arrays.
+template <class F>
+void for_each_array(Scan& scan, F f) {
+  f(scan.points, &Scan::points);
+  f(scan.intensity, &Scan::intensity);
+  f(scan.range, &Scan::range);
+  f(scan.ring, &Scan::ring);
+  f(scan.column, &Scan::column);
+  f(scan.time, &Scan::time);
 }
 
 template <class Value, class Text>
@@ -95,24 +122,15 @@ Image mean_image(const std::vector<const CameraObservation*>& pictures) {
   return mean;
 }
 
-Scan gathered_scan(const std::vector<std::shared_ptr<const Scan>>& scans) {
+Scan gathered_scan(std::vector<std::shared_ptr<const Scan>> scans) {
   Scan all;
-  append(all.points, scans, &Scan::points);
-  append(all.intensity, scans, &Scan::intensity);
-  append(all.range, scans, &Scan::range);
-  append(all.ring, scans, &Scan::ring);
-  append(all.column, scans, &Scan::column);
-  append(all.time, scans, &Scan::time);
-  for (const auto& scan : scans) {
+  for_each_array(all, [&](auto& to, auto array) { reserve(to, scans, array); });
+  for (std::shared_ptr<const Scan>& scan : scans) {
+    for_each_array(all, [&](auto& to, auto array) { append(to, *scan, array); });
     all.rings = std::max(all.rings, scan->rings);
     all.columns = std::max(all.columns, scan->columns);
+    scan.reset();
   }
-  const std::size_t size = all.points.size();
-  if (all.intensity.size() != size) all.intensity.clear();
-  if (all.range.size() != size) all.range.clear();
-  if (all.ring.size() != size) all.ring.clear();
-  if (all.column.size() != size) all.column.clear();
-  if (all.time.size() != size) all.time.clear();
   return all;
 }
 

@@ -16,8 +16,9 @@ namespace ca2 {
 /// fills 8 and half of log2(n). A single picture stays as it is.
 Image mean_image(const std::vector<const CameraObservation*>& pictures);
 
-/// All returns of the scans. An array that one of them lacks is left out.
-Scan gathered_scan(const std::vector<std::shared_ptr<const Scan>>& scans);
+/// All returns of the scans, each of which is let go of once it is copied. An array that one of them lacks is
+/// left out.
+Scan gathered_scan(std::vector<std::shared_ptr<const Scan>> scans);
 
 /// What view.yaml says beside the data.
 struct ViewDetails {

@@ -40,8 +40,12 @@ Result<Image> read_png(const std::filesystem::path& file);
 /// The writer filters with UP and compresses by run lengths: many times quicker than the default for a few
 /// per cent more bytes. Atomic, as write_atomically.
 Result<void> write_png(const std::filesystem::path& file, const Image& image);
-/// In memory, for reports.
-Result<std::string> encode_png(const Image& image);
+enum class PngData {
+  compressed,  ///< as write_png
+  stored,      ///< as it is, in a PNG all the same: for who has no time. Means of pictures are mostly noise
+};
+/// In memory.
+Result<std::string> encode_png(const Image& image, PngData data = PngData::compressed);
 /// `name` is what errors call the picture.
 Result<Image> decode_png(std::string_view bytes, const std::string& name);
 

@@ -31,16 +31,22 @@ void on_write(png_structp png, png_bytep from, png_size_t size) {
 void on_flush(png_structp) {}
 
 /// Only trivial objects here: libpng's errors come back by longjmp.
-bool encode(png_structp png, png_infop info, Writer& writer, const Image& image) {
+bool encode(png_structp png, png_infop info, Writer& writer, const Image& image, PngData data) {
   if (setjmp(writer.failed) != 0) return false;
   png_set_write_fn(png, &writer, on_write, on_flush);
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                image.bits, image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  // Sensor noise has no repeats worth searching for: the entropy coder does all the work that pays.
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-  png_set_compression_level(png, 1);
-  png_set_compression_strategy(png, Z_RLE);
+  if (data == PngData::stored) {
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_NONE);
+    png_set_compression_level(png, 0);
+    png_set_compression_buffer_size(png, 1 << 16);
+  } else {
+    // Sensor noise has no repeats worth searching for: the entropy coder does all the work that pays.
+    png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    png_set_compression_level(png, 1);
+    png_set_compression_strategy(png, Z_RLE);
+  }
   png_write_info(png, info);
   if (image.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * image.bytes_per_pixel();
@@ -53,7 +59,7 @@ bool encode(png_structp png, png_infop info, Writer& writer, const Image& image)
 
 }  // namespace
 
-Result<std::string> encode_png(const Image& image) {
+Result<std::string> encode_png(const Image& image, PngData data) {
   const bool sound = image.width > 0 && image.height > 0 && (image.channels == 1 || image.channels == 3) &&
                      (image.bits == 8 || image.bits == 16) &&
                      image.bytes.size() == static_cast<std::size_t>(image.width) *
@@ -64,10 +70,11 @@ Result<std::string> encode_png(const Image& image) {
                 "a picture whose size, channels, bits and bytes do not fit together");
   }
   Writer writer{{}, {}, {}};
-  writer.bytes.reserve(image.bytes.size() / 2);
+  writer.bytes.reserve(data == PngData::stored ? image.bytes.size() + image.bytes.size() / 512 + 4096
+                                               : image.bytes.size() / 2);
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
-  const bool done = info && encode(png, info, writer, image);
+  const bool done = info && encode(png, info, writer, image, data);
   png_destroy_write_struct(&png, &info);
   if (!done) return fail(ErrorCode::internal, "", std::string("PNG: ") + writer.reason);
   return std::move(writer.bytes);

@@ -85,10 +85,10 @@ Result<ViewWriter> ViewWriter::begin(const fs::path& session, int id, std::strin
   return writer;
 }
 
-Result<std::uint64_t> ViewWriter::add(const std::string& camera, const Image& image) {
+Result<std::uint64_t> ViewWriter::add(const std::string& camera, const Image& image, PngData data) {
   if (const auto good = check_name(camera); !good) return fail(good.error());
   const fs::path file = hidden_ / (camera + ".png");
-  const Result<std::string> png = encode_png(image);
+  const Result<std::string> png = encode_png(image, data);
   if (!png) return named(png.error(), file);
   if (const auto written = write_new(file, *png); !written) return fail(written.error());
   cameras_.insert(camera);

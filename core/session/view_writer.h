@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "core/io/files.h"
 #include "core/session/session.h"
 
 namespace ca2 {
@@ -20,7 +21,8 @@ class ViewWriter {
   ~ViewWriter();
 
   /// Return the ContentDigest of the file.
-  Result<std::uint64_t> add(const std::string& camera, const Image& image);
+  Result<std::uint64_t> add(const std::string& camera, const Image& image,
+                            PngData data = PngData::compressed);
   Result<std::uint64_t> add(const std::string& lidar, const Scan& scan);
   /// As write_view; nothing may be added any more.
   Result<SessionView> finish();

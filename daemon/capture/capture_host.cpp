@@ -182,7 +182,7 @@ void CaptureHost::perform(const CaptureEvent& event) {
 }
 
 void CaptureHost::perform(StoreView view) {
-  writing_ = std::make_shared<const StoreView>(std::move(view));
+  writing_ = std::make_shared<StoreView>(std::move(view));
   write();
 }
 

@@ -61,6 +61,7 @@ class CaptureHost {
   const std::set<int>& view_ids() const { return views_; }  ///< of the session
   bool solving() const { return !solver_.idle(); }
   const Rig& rig() const { return rig_; }
+  StoreCost store_cost() const { return store_.cost(); }
   bool idle() const { return !writing_ && store_.idle(); }
 
  private:
@@ -96,7 +97,7 @@ class CaptureHost {
   std::set<int> views_;         ///< stored and not dropped
   std::uint64_t opening_ = 0;   ///< number of the opening under way or done
   bool retry_opening_ = false;  ///< at the next retry_at_
-  std::shared_ptr<const StoreView> writing_;
+  std::shared_ptr<StoreView> writing_;
   bool retry_writing_ = false;
   std::vector<int> dropping_;  ///< removals to be tried again
   std::int64_t retry_at_ = 0;  ///< ns

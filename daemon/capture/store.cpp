@@ -67,6 +67,13 @@ tl::unexpected<Error> no_such_session(const std::string& name) {
   return fail(ErrorCode::usage, "", "there is no session '" + name + "'", "`ca2 session list` shows them");
 }
 
+/// s of a CPU that this thread has had.
+double thread_cpu() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 }  // namespace
 
 Rig session_rig(const Rig& rig, const fs::path& file) {
@@ -186,12 +193,36 @@ void Store::list(const Rig& rig, Answer<std::vector<SessionSummary>> answer) {
       std::move(answer));
 }
 
-void Store::write(std::shared_ptr<const StoreView> view, Answer<ViewSights> answer) {
+Result<ViewSights> Store::store(StoreView& view) {
+  StoreCost cost{1, 0, 0};
+  double begin = thread_cpu();
+  double* current = &cost.saving;
+  const auto step = [&](StoreStep next) {
+    const double now = thread_cpu();
+    *current += now - std::exchange(begin, now);
+    current = next == StoreStep::saving ? &cost.saving : &cost.searching;
+  };
+  Result<ViewSights> sights = store_view(session_, view, step);
+  step(StoreStep::saving);
+  if (!sights) return sights;
+  const std::lock_guard lock(cost_mutex_);
+  cost_.views += cost.views;
+  cost_.saving += cost.saving;
+  cost_.searching += cost.searching;
+  return sights;
+}
+
+StoreCost Store::cost() const {
+  const std::lock_guard lock(cost_mutex_);
+  return cost_;
+}
+
+void Store::write(std::shared_ptr<StoreView> view, Answer<ViewSights> answer) {
   run<ViewSights>(
       [this, view]() -> Result<ViewSights> {
         const auto same = [&](const SessionView& other) { return other.id == view->id; };
         const bool written = std::any_of(session_.views.begin(), session_.views.end(), same);
-        Result<ViewSights> sights = written ? extract_view(session_, view->id) : store_view(session_, *view);
+        Result<ViewSights> sights = written ? extract_view(session_, view->id) : store(*view);
         // What the view took lies between pictures that come and go: the process would keep it for ever.
         ::malloc_trim(0);
         return sights;

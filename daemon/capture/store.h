@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/session/session.h"
 #include "daemon/loop/event_loop.h"
 #include "daemon/work/job_thread.h"
+#include "messages/status.h"
 
 namespace ca2 {
 
@@ -47,11 +49,14 @@ class Store {
   void use(const Rig& rig, const std::string& name, Answer<OpenSession> answer);
   void list(const Rig& rig, Answer<std::vector<SessionSummary>> answer);
 
-  /// Of the session opened last. The answer is what was found in the view.
-  void write(std::shared_ptr<const StoreView> view, Answer<ViewSights> answer);
+  /// Of the session opened last. The answer is what was found in the view, which is the writer's until then.
+  void write(std::shared_ptr<StoreView> view, Answer<ViewSights> answer);
   void remove(int view, Answer<bool> answer);
   /// Nothing: the answer that there may be from before is set aside, it is not that of these views.
   void write_result(const Calibration* calibration, Answer<bool> answer);
+
+  /// Of the views written so far. In any thread.
+  StoreCost cost() const;
 
   /// Nothing waits to be written.
   bool idle() const { return thread_.idle(); }
@@ -60,11 +65,14 @@ class Store {
   template <class Value>
   void run(std::function<Result<Value>()> job, Answer<Value> answer);
   Result<OpenSession> open(const std::string& name, const Rig& rig);
+  Result<ViewSights> store(StoreView& view);
   Result<OpenSession> make(const Rig& rig, std::string name);
 
   EventLoop& loop_;
   const std::filesystem::path state_;
   Session session_;  ///< only the thread's
+  mutable std::mutex cost_mutex_;
+  StoreCost cost_;
   JobThread thread_;
 };
 

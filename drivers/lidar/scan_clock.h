@@ -8,7 +8,7 @@
 #include "core/types/scan.h"
 #include "drivers/clock/device_clock.h"
 #include "drivers/lidar/lidar_scan.h"
-#include "drivers/lidar/scan_pool.h"
+#include "drivers/shared_pool.h"
 
 namespace ca2 {
 
@@ -28,7 +28,7 @@ class ScanClock {
 
  private:
   DeviceClock clock_;
-  ScanPool pool_;
+  SharedPool<Scan> pool_;
 };
 
 }  // namespace ca2

@@ -36,9 +36,9 @@ class Host {
   std::optional<Error> error;  ///< the first view's that could not be stored
 
  private:
-  void handle(std::int64_t now, const CaptureActions& actions) {
-    for (const CaptureAction& action : actions) {
-      if (const auto* view = std::get_if<StoreView>(&action)) {
+  void handle(std::int64_t now, CaptureActions actions) {
+    for (CaptureAction& action : actions) {
+      if (auto* view = std::get_if<StoreView>(&action)) {
         handle(now, pipeline_.stored(now, view->id, store(now, *view)));
       } else if (const auto* request = std::get_if<SolveViews>(&action)) {
         handle(now, pipeline_.solved(now, request->number, solve_views(*request)));
@@ -50,7 +50,7 @@ class Host {
     }
   }
 
-  Result<ViewSights> store(std::int64_t now, const StoreView& view) {
+  Result<ViewSights> store(std::int64_t now, StoreView& view) {
     const std::size_t before = session_.views.size();
     Result<ViewSights> sights = store_view(session_, view);
     if (session_.views.size() > before) {

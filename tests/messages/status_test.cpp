@@ -45,13 +45,18 @@ DaemonStatus example() {
 }
 
 TEST(Status, JsonAndBack) {
-  const nlohmann::json json = to_json(example());
+  DaemonStatus status = example();
+  status.capture.sensors[0].let_go = 12;
+  status.store_cost = {7, 0.5, 0.7};
+  const nlohmann::json json = to_json(status);
   const Result<DaemonStatus> again = status_from_json(nlohmann::json::parse(json.dump()));
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_EQ(to_json(*again), json);
   EXPECT_TRUE(json.at("sensors").at(1).at("motion").is_null());
   EXPECT_TRUE(json.at("sigma_rotation").is_null());
   EXPECT_EQ(json.at("state"), "holding");
+  EXPECT_EQ(again->capture.sensors[0].let_go, 12u);
+  EXPECT_EQ(again->store_cost.searching, 0.7);
   EXPECT_FALSE(again->capture.sigma_rotation);
 }
 

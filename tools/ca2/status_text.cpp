@@ -51,6 +51,8 @@ std::string status_text(const DaemonStatus& status) {
                      sensor_word(sensor, health).c_str(), std::isfinite(sensor.rate) ? sensor.rate : 0.0,
                      static_cast<unsigned long long>(sensor.shed),
                      static_cast<unsigned long long>(health.lost), motion_text(sensor).c_str());
+    if (sensor.let_go > 0)
+      out += formatted(", %llu let go of", static_cast<unsigned long long>(sensor.let_go));
     out += (health.problem.empty() ? "" : "  " + health.problem) + "\n";
   }
   out += "answer     " + sigma_text(capture) + "\n";

@@ -19,9 +19,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int wanted_receive_buffer = 10 << 20;  // bytes: some pictures, for while nobody reads
 constexpr guint ethernet_packet = 1500;
-// Aravis goes round all buffers, so that each takes its room in memory: as many as bridge 200 ms at 30 Hz,
+// Aravis goes round all buffers, so that each takes its room in memory: as many as bridge 100 ms at 30 Hz,
 // and more only where the reader turns out to be later than that.
-constexpr int first_buffers = 6;
+constexpr int first_buffers = 4;
 
 /// Negotiates or sets, and says what is to be mended.
 Result<std::string> settle_packet_size(ArvGvDevice* device, int wanted) {
@@ -135,8 +135,8 @@ AravisStream::Buffer AravisStream::pop() {
   signal_->clear();
   gint empty = 0, filled = 0;
   arv_stream_get_n_buffers(stream_.get(), &empty, &filled);
-  // We were late: the next picture shall find room even if we are again.
-  if (empty == 0 && buffers_ < most_buffers_) add_buffer();
+  // We were late by a picture: the next ones shall find room even if we are later than that.
+  if (empty <= 1 && buffers_ < most_buffers_) add_buffer();
   return {arv_stream_try_pop_buffer(stream_.get()), Requeue{stream_.get()}};
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/types/image.h"
 #include "core/types/result.h"
@@ -55,6 +56,8 @@ struct RawPicture {
   std::span<const std::uint8_t> data;
   int bits = 0;             ///< significant ones of a `words` format whose camera uses fewer; 0: the format's
   bool full_range = false;  ///< YUV: 0 to 255 rather than 16 to 235 (luma) and 240 (chroma)
+  /// Memory that the picture takes for its bytes, lest it asks the system for new; nullptr: none.
+  std::vector<std::uint8_t>* memory = nullptr;
 };
 
 enum class PictureKind {

@@ -12,8 +12,10 @@ namespace {
 
 constexpr int max_side = 30000;  // px, as read_png
 
+/// What is in it will be overwritten.
 Image blank(const RawPicture& raw, int channels, int bits) {
   Image image{raw.width, raw.height, channels, bits, {}};
+  if (raw.memory) image.bytes = std::move(*raw.memory);
   image.bytes.resize(static_cast<std::size_t>(raw.width) * static_cast<std::size_t>(raw.height) *
                      image.bytes_per_pixel());
   return image;
@@ -91,14 +93,14 @@ void for_each_row(const RawPicture& raw, Row row) {
 /// Rows without padding of what is in memory as it is in an Image.
 Image copied(const RawPicture& raw, int channels) {
   const std::size_t row = row_bytes(raw);
-  Image image{raw.width, raw.height, channels, 8, {}};
+  Image image = blank(raw, channels, 8);
   if (raw.stride == 0 || raw.stride == row) {
-    image.bytes.assign(raw.data.begin(), raw.data.begin() + row * static_cast<std::size_t>(raw.height));
+    std::memcpy(image.bytes.data(), raw.data.data(), image.bytes.size());
     return image;
   }
-  image.bytes.reserve(row * static_cast<std::size_t>(raw.height));
-  for_each_row(
-      raw, [&](const std::uint8_t* line, int) { image.bytes.insert(image.bytes.end(), line, line + row); });
+  for_each_row(raw, [&](const std::uint8_t* line, int y) {
+    std::memcpy(image.bytes.data() + row * static_cast<std::size_t>(y), line, row);
+  });
   return image;
 }
 
@@ -135,8 +137,8 @@ Image bayer_image(const RawPicture& raw, PictureKind kind) {
     demosaic(raw, raw.data.data(), stride, kind, image.bytes.data());
     return image;
   }
-  Image mosaic = wide_samples(raw);
   Image image = blank(raw, channels, 16);
+  Image mosaic = wide_samples(raw);
   demosaic<std::uint16_t>(raw, words(mosaic), static_cast<std::size_t>(raw.width), kind, words(image));
   return image;
 }

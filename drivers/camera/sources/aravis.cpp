@@ -16,6 +16,7 @@
 #include "drivers/camera/frame_count.h"
 #include "drivers/camera/frame_watch.h"
 #include "drivers/net/stop_event.h"
+#include "drivers/shared_pool.h"
 
 namespace ca2 {
 namespace {
@@ -227,6 +228,7 @@ class AravisCamera : public CameraSource {
       raw.height = arv_buffer_get_image_height(buffer);
       const void* data = arv_buffer_get_image_data(buffer, &size);
       raw.data = {static_cast<const std::uint8_t*>(data), size};
+      raw.memory = &memory_;
       if (raw.format) image = to_image(raw, settings_.kind);
     }
     if (!image) {
@@ -235,7 +237,8 @@ class AravisCamera : public CameraSource {
     }
     ++frames_;
     CameraFrame frame;
-    frame.image = std::make_shared<const Image>(std::move(*image));
+    frame.image = pool_.keep(*image);
+    memory_ = std::move(image->bytes);
     // Below 2^62, so that adding an exposure cannot overflow whatever a camera says.
     constexpr std::uint64_t sane = (std::uint64_t{1} << 62) - 1;
     const auto middle =
@@ -286,6 +289,8 @@ class AravisCamera : public CameraSource {
   StopEvent stopped_;
   // Of the capture thread:
   FrameWatch watch_;
+  SharedPool<Image> pool_;
+  std::vector<std::uint8_t> memory_;  ///< of the next picture
   double watched_rate_ = -1;
   FrameCount count_;
   CameraClock clock_;

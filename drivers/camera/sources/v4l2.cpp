@@ -15,6 +15,7 @@
 #include "drivers/camera/v4l2/device.h"
 #include "drivers/camera/v4l2/negotiation.h"
 #include "drivers/net/stop_event.h"
+#include "drivers/shared_pool.h"
 
 namespace ca2 {
 namespace {
@@ -195,6 +196,7 @@ class V4l2Camera : public CameraSource {
     RawPicture raw{agreement_.format, agreement_.width, agreement_.height, agreement_.stride, filled.data};
     raw.bits = settings_.bits;
     raw.full_range = agreement_.full_range;
+    raw.memory = &memory_;
     auto image = to_image(raw, settings_.kind);
     if (!image) {
       ++incomplete_;
@@ -203,7 +205,8 @@ class V4l2Camera : public CameraSource {
     errors_ = 0;
     ++frames_;
     CameraFrame frame;
-    frame.image = std::make_shared<const Image>(std::move(*image));
+    frame.image = pool_.keep(*image);
+    memory_ = std::move(image->bytes);
     frame.sequence = buffer.sequence;
     stamp(buffer, frame);
     return frame;
@@ -247,8 +250,10 @@ class V4l2Camera : public CameraSource {
   // Of the capture thread:
   std::optional<V4l2Buffers> buffers_;
   FrameWatch watch_;
-  std::string lost_;      ///< why; empty: it is there
-  bool hung_up_ = false;  ///< poll said so; what is wrong, the next buffer tells
+  SharedPool<Image> pool_;
+  std::vector<std::uint8_t> memory_;  ///< of the next picture
+  std::string lost_;                  ///< why; empty: it is there
+  bool hung_up_ = false;              ///< poll said so; what is wrong, the next buffer tells
   int to_skip_ = 0, errors_ = 0;
   std::optional<std::uint32_t> last_sequence_;
   std::atomic<std::uint64_t> frames_{0}, incomplete_{0}, missed_{0};

@@ -185,8 +185,10 @@ void T265Camera::deliver(const Picture& picture) {
   pictured_ = true;
   frame.stream = stream;
   frame.sequence = picture.number;
-  frame.image = std::make_shared<const Image>(
-      Image{entry.width, entry.height, 1, 8, {picture.pixels.begin(), picture.pixels.end()}});
+  Image image{entry.width, entry.height, 1, 8, std::move(memory_)};
+  image.bytes.assign(picture.pixels.begin(), picture.pixels.end());
+  frame.image = pool_.keep(image);
+  memory_ = std::move(image.bytes);
   queue_.push(std::move(frame));
 }
 

@@ -15,6 +15,7 @@
 #include "drivers/camera/t265/device.h"
 #include "drivers/camera/t265/device_time.h"
 #include "drivers/camera/t265/exposure.h"
+#include "drivers/shared_pool.h"
 #include "drivers/usb/usb_reader.h"
 
 namespace ca2::t265 {
@@ -64,6 +65,9 @@ class T265Camera : public CameraSource {
   const double rate_;  ///< Hz
 
   FrameQueue queue_{8};
+  // Of the thread that reads pictures:
+  SharedPool<Image> pool_;
+  std::vector<std::uint8_t> memory_;  ///< of the next picture
   std::unique_ptr<UsbReader> pictures_, events_;
   std::thread keeper_;
   bool started_ = false;

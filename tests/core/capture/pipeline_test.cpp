@@ -72,14 +72,16 @@ TEST(Pipeline, APoseThatIsKnownTeachesNothing) {
   Poses poses;
   poses.hold(board_at(0, 0, 1.5), 1.0)
       .hold(board_at(0.3, 0, 1.4, 0.5), 1.0)
-      .hold(board_at(0.01, 0, 1.5, 0.03), 1.5);
+      .hold(board_at(0.01, 0, 1.5, 0.03), 2.5);
   script.T_camera_board = [&](double t) { return poses.at(t); };
   CapturePipeline pipeline(script.rig, {}, {});
-  script.run(pipeline, 0, poses.end());
+  const double asked = poses.end() - 1;
+  script.run(pipeline, 0, asked);
   EXPECT_EQ(script.stored.size(), 2u);
   EXPECT_TRUE(said(script, "rejected", "view 1 shows this pose already"));
   // A person may want it all the same.
-  script.handle(pipeline, poses.end(), pipeline.capture(std::llround(1e9 * poses.end()), false));
+  script.handle(pipeline, asked, pipeline.capture(std::llround(1e9 * asked), false));
+  script.run(pipeline, asked + 1e-3, poses.end());
   EXPECT_EQ(script.stored.size(), 3u);
 }
 
@@ -344,6 +346,25 @@ TEST(Pipeline, ManualTrigger) {
   EXPECT_EQ(script.stored.size(), 2u);
   script.run(pipeline, 4, 6);
   EXPECT_EQ(script.stored.size(), 2u);  // once
+}
+
+TEST(Pipeline, WhoAsksForAnotherViewOfAHoldGetsTheDwellThatFollows) {
+  Script script;
+  script.T_camera_board = [](double) { return board_at(0, 0, 1.5, 0.3); };
+  CapturePipeline pipeline(script.rig, {}, {});
+  script.run(pipeline, -1, 4);
+  ASSERT_EQ(script.stored.size(), 1u);
+  script.handle(pipeline, 4, pipeline.capture(4 * test::second, false));
+  EXPECT_EQ(script.stored.size(), 1u);
+  EXPECT_EQ(pipeline.status(4 * test::second).state, CaptureState::holding);
+  script.run(pipeline, 4.01, 5);
+  ASSERT_EQ(script.stored.size(), 2u);
+  EXPECT_GE(script.stored[1].time, 4.6);
+  EXPECT_EQ(script.stored[1].view.images.at("left").bits, 16) << "a mean";
+  EXPECT_GE(script.stored[1].view.scans.at("top").size(), 5u);
+  script.handle(pipeline, 5, pipeline.capture(5 * test::second, true));
+  ASSERT_EQ(script.stored.size(), 3u);
+  EXPECT_GE(script.stored[2].view.scans.at("top").size(), 1u);
 }
 
 TEST(Pipeline, AViewThatIsNotStoredDoesNotCount) {

@@ -1,6 +1,8 @@
 /// @file What tracks keep of the data: a second of a rig's pictures is a hundred megabytes.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/capture/assess.h"
 
 namespace ca2 {
@@ -60,7 +62,7 @@ TEST(Tracks, LetGoOfWhatIsInNoViewAnyMore) {
     const std::int64_t time = start + i * 100'000'000LL;
     track.add(picture(board, time, at));
     const Assessment assessment = assess(tracks, options, time);
-    release_unneeded(tracks, options, assessment, false);
+    release_unneeded(tracks, options, assessment, std::nullopt);
     return assessment;
   };
   for (int i = 0; i < 15; ++i) show(i, 100 + 20 * i);
@@ -71,9 +73,62 @@ TEST(Tracks, LetGoOfWhatIsInNoViewAnyMore) {
   for (const CameraObservation* held : track.between(assessment.since, assessment.newest)) {
     EXPECT_TRUE(held->image) << "of the hold";
   }
-  release_unneeded(tracks, options, assessment, true);
-  EXPECT_LE(with_image(track), 10) << "once it is decided";
-  EXPECT_GE(with_image(track), 6) << "a dwell, for who asks for another view";
+  const std::int64_t asked = track.newest()->time - 500'000'000;
+  release_unneeded(tracks, options, assessment, asked);
+  EXPECT_EQ(with_image(track), 6) << "since somebody asked for another view";
+  release_unneeded(tracks, options, assessment, std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(with_image(track), 2) << "once it is decided: for who wants a view at once";
+}
+
+TEST(Tracks, KeepAHoldThatGoesOnWithinTheBudget) {
+  const Board board = a_board();
+  const CaptureOptions options;
+  Tracks tracks;
+  for (const char* name : {"left", "right"}) {
+    tracks.camera_names.push_back(name);
+    tracks.cameras.emplace_back(board);
+  }
+  tracks.lidar_names = {"top"};
+  tracks.lidars.emplace_back();
+  Scan scan;
+  scan.points.resize(1'000'000 / sizeof scan.points[0]);
+  const auto megabyte = std::make_shared<const Scan>(scan);
+  const auto picture_megabyte =
+      std::make_shared<const Image>(Image{1000, 1000, 1, 8, std::vector<std::uint8_t>(1'000'000)});
+  const auto kept = [&] {
+    std::size_t bytes = tracks.lidars[0].kept().bytes();
+    for (CameraTrack& camera : tracks.cameras) bytes += camera.kept().bytes();
+    return 1e-6 * static_cast<double>(bytes);
+  };
+  const auto hold = [&](int from, int to, std::size_t budget) {
+    for (int i = from; i < to; ++i) {
+      const std::int64_t time = start + i * 100'000'000LL;
+      for (CameraTrack& camera : tracks.cameras) {
+        CameraObservation seen = picture(board, time, 400);
+        seen.image = picture_megabyte;
+        camera.add(seen);
+      }
+      LidarObservation observation;
+      observation.time = time;
+      observation.scan = megabyte;
+      observation.sights.emplace_back();
+      tracks.lidars[0].add(observation);
+      release_unneeded(tracks, options, assess(tracks, options, time), std::nullopt, budget);
+    }
+  };
+  hold(0, 15, 100'000'000);
+  EXPECT_NEAR(kept(), 45, 1) << "there is room for all";
+  EXPECT_EQ(tracks.cameras[0].let_go() + tracks.lidars[0].let_go(), 0u);
+  hold(15, 20, 40'000'000);
+  EXPECT_NEAR(kept(), 40, 1.01);
+  const std::int64_t oldest = tracks.cameras[0].kept().oldest()->time;
+  EXPECT_NEAR(1e-9 * static_cast<double>(tracks.lidars[0].kept().oldest()->time - oldest), 0, 0.11)
+      << "all reach equally far back";
+  const std::uint64_t gone = tracks.cameras[0].let_go();
+  EXPECT_NEAR(static_cast<double>(gone), 60.0 / 3 - 40.0 / 3, 1.01);
+  hold(20, 22, 1'000'000);
+  EXPECT_NEAR(kept(), 3 * 8, 1) << "a dwell is kept whatever the budget";
+  EXPECT_GT(tracks.cameras[0].let_go(), gone);
 }
 
 }  // namespace

@@ -57,6 +57,13 @@ TEST(Png, RoundTripsEveryFormat) {
         EXPECT_EQ(read->channels, channels);
         EXPECT_EQ(read->bits, bits);
         EXPECT_EQ(read->bytes, image.bytes);
+        const auto stored = encode_png(image, PngData::stored);
+        ASSERT_TRUE(stored);
+        EXPECT_GE(stored->size(), image.bytes.size());
+        EXPECT_LE(stored->size(), image.bytes.size() + static_cast<std::size_t>(height) + 200);
+        const auto decoded = decode_png(*stored, "stored");
+        ASSERT_TRUE(decoded) << decoded.error().text();
+        EXPECT_EQ(decoded->bytes, image.bytes);
       }
     }
   }

@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "drivers/lidar/scan_pool.h"
+#include "drivers/shared_pool.h"
 
 namespace ca2 {
 namespace {
@@ -147,8 +147,8 @@ TEST(ReturnWriter, BeamsFromALaterOneOnAndFiredAtOnce) {
   EXPECT_EQ(scan.size(), n);
 }
 
-TEST(ScanPool, MemoryComesBackFromAnyThreadAndAfterThePool) {
-  auto pool = std::make_unique<ScanPool>();
+TEST(SharedPool, MemoryComesBackFromAnyThreadAndAfterThePool) {
+  auto pool = std::make_unique<SharedPool<Scan>>();
   Scan scan;
   scan.points.assign(1000, Eigen::Vector3f(1, 2, 3));
   const Eigen::Vector3f* const memory = scan.points.data();
