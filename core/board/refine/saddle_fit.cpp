@@ -13,10 +13,6 @@ using namespace saddle_parameters;
 using CrossRow = Eigen::Matrix<float, size, 1>;
 using EdgeRow = Eigen::Matrix<float, common + per_edge, 1>;
 
-// Without any blur the picture does not say how much there is: a guess, and its weight in grey^2.
-const double usual_log_sigma = std::log(0.3);
-constexpr double log_sigma_weight = 4;
-
 /// Sums of one kind of pixel.
 template <class Row>
 struct Sums {
@@ -34,7 +30,7 @@ class SaddleProblem : public DenseNormalEquations {
  public:
   using State = SaddleModel;
 
-  SaddleProblem(const CornerPatch& patch, const SlopePrior& prior, double tolerance)
+  SaddleProblem(const CornerPatch& patch, const SaddlePrior& prior, double tolerance)
       : patch_(patch), prior_(prior), tolerance_(tolerance) {}
 
   /// None of a step that hardly moves the corner nor turns its edges: how blurred the picture is, where that
@@ -119,21 +115,21 @@ class SaddleProblem : public DenseNormalEquations {
  private:
   void add_priors(const SaddleModel& model) {
     total_ = 0.5 * squares_;
-    const Eigen::Vector2d off = model.slope - prior_.mean;
-    h_.diagonal().segment<2>(slope_).array() += prior_.weight;
-    gradient_.segment<2>(slope_) += prior_.weight * off;
-    total_ += 0.5 * prior_.weight * off.squaredNorm();
+    const Eigen::Vector2d off = model.slope - prior_.slope;
+    h_.diagonal().segment<2>(slope_).array() += prior_.slope_weight;
+    gradient_.segment<2>(slope_) += prior_.slope_weight * off;
+    total_ += 0.5 * prior_.slope_weight * off.squaredNorm();
     for (int i = 0; i < 2; ++i) {
       const int at = log_sigma_ + i * per_edge;
-      const double apart = model.log_sigma[i] - usual_log_sigma;
-      h_(at, at) += log_sigma_weight;
-      gradient_[at] += log_sigma_weight * apart;
-      total_ += 0.5 * log_sigma_weight * apart * apart;
+      const double apart = model.log_sigma[i] - std::log(prior_.sigma[i]);
+      h_(at, at) += prior_.log_sigma_weight;
+      gradient_[at] += prior_.log_sigma_weight * apart;
+      total_ += 0.5 * prior_.log_sigma_weight * apart * apart;
     }
   }
 
   const CornerPatch& patch_;
-  SlopePrior prior_;
+  SaddlePrior prior_;
   double tolerance_;  ///< px
   std::optional<SaddleModel> judged_;
   Eigen::Matrix<double, size, size> h_;  ///< at judged_
@@ -171,12 +167,12 @@ double model_grey(const SaddleModel& model, double x, double y) {
 }
 
 std::optional<SaddleFit> fit_saddle(const CornerPatch& patch, const SaddleModel& start,
-                                    const SlopePrior& prior, double tolerance) {
+                                    const SaddlePrior& prior, double tolerance) {
   const int count = static_cast<int>(patch.edge.size()) + patch.flat.count;
   if (count < 2 * size) return std::nullopt;
   SaddleModel model = start;
   if (!set_light(patch, model)) return std::nullopt;
-  model.slope = prior.mean;
+  model.slope = prior.slope;
   model.light_origin = patch.origin;
   SaddleProblem problem(patch, prior, tolerance);
   LmOptions options;

@@ -64,11 +64,14 @@ struct SaddleModel {
   bool operator==(const SaddleModel&) const = default;
 };
 
-/// What is known of a patch's slope beforehand, from the other corners: a slope of the light along an edge
-/// looks like a shift across it, and costs a quarter of the accuracy when nothing is known of it.
-struct SlopePrior {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();  ///< grey/px
-  double weight = 0;  ///< px^2: variance of the grey values over that of the slope
+/// What is known of a patch beforehand, from the other corners. A slope of the light along an edge looks like
+/// a shift across it, and costs a quarter of the accuracy when nothing is known of it. Without any blur an
+/// edge along the pixels does not say how much there is, and where it lies depends on that.
+struct SaddlePrior {
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< grey/px
+  double slope_weight = 0;       ///< px^2: variance of the grey values over that of the slope
+  double sigma[2] = {0.3, 0.3};  ///< px, blur of the edges: a guess
+  double log_sigma_weight = 4;   ///< grey^2: the same for its logarithm
 };
 
 struct SaddleFit {
@@ -81,7 +84,7 @@ struct SaddleFit {
 /// Least squares from a start within about half a pixel (its light need not be set); nothing when
 /// it runs away or there are too few pixels. A step of less than `tolerance` [px] is the last.
 std::optional<SaddleFit> fit_saddle(const CornerPatch& patch, const SaddleModel& start,
-                                    const SlopePrior& prior = {}, double tolerance = 1e-4);
+                                    const SaddlePrior& prior = {}, double tolerance = 1e-4);
 
 /// Grey value of the model averaged over the pixel at (x, y).
 double model_grey(const SaddleModel& model, double x, double y);
