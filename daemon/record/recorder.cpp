@@ -87,7 +87,7 @@ Recorder::Recorder(EventLoop& loop, Heartbeats& heartbeats, fs::path state, std:
     : loop_(loop),
       state_(std::move(state)),
       now_(std::move(now)),
-      thread_("recorder", heartbeats, most_jobs, longest_job) {}
+      thread_("recorder", heartbeats, most_jobs, longest_job, Urgency::cannot_wait) {}
 
 Recorder::~Recorder() = default;
 

@@ -3,6 +3,7 @@
 #include "core/capture/camera_detector.h"
 #include "core/capture/lidar_detector.h"
 #include "daemon/work/thread_name.h"
+#include "daemon/work/thread_priority.h"
 
 namespace ca2 {
 namespace {
@@ -47,6 +48,7 @@ DetectorPool::DetectorPool(const Rig& rig, ObservationSink sink, Heartbeats& hea
     const std::string name = "detector " + std::to_string(i + 1);
     threads_.emplace_back([this, name, beat = heartbeats.add(name)] {
       name_thread("ca2-" + name);
+      let_receivers_go_first();
       run(*beat);
     });
   }

@@ -10,9 +10,13 @@ constexpr std::chrono::milliseconds idle_beat{500}, beat_margin{2000};
 }  // namespace
 
 JobThread::JobThread(const std::string& name, Heartbeats& heartbeats, std::size_t capacity,
-                     std::chrono::seconds longest)
-    : capacity_(capacity), longest_(longest), heartbeat_(heartbeats.add(name)), thread_([this, name] {
+                     std::chrono::seconds longest, Urgency urgency)
+    : capacity_(capacity),
+      longest_(longest),
+      heartbeat_(heartbeats.add(name)),
+      thread_([this, name, urgency] {
         name_thread("ca2-" + name);
+        if (urgency == Urgency::can_wait) let_receivers_go_first();
         run();
       }) {}
 

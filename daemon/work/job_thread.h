@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "daemon/work/heartbeat.h"
+#include "daemon/work/thread_priority.h"
 
 namespace ca2 {
 
@@ -23,7 +24,7 @@ class JobThread {
 
   /// `longest`: a job that takes more counts as stuck.
   JobThread(const std::string& name, Heartbeats& heartbeats, std::size_t capacity,
-            std::chrono::seconds longest);
+            std::chrono::seconds longest, Urgency urgency = Urgency::can_wait);
   JobThread(const JobThread&) = delete;
   JobThread& operator=(const JobThread&) = delete;
   /// Asks the job under way to stop and waits for it; what is queued is not done.

@@ -1,9 +1,9 @@
 /// A GigE Vision camera in a process of its own: Aravis's simulated one behind true GVCP and GVSP, with our
-/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once]]. LOST is the share of packets
-/// that get lost. FILE has the bytes of every picture (repeated where the picture is larger). FOLDER holds
-/// the <utc_ns>.png of a recording, each of which is shown SHIFT ns after the time that its name says; they
-/// are read when they are due, or all at once. Without either there is a ramp. Says "ready" when it can be
-/// opened.
+/// pictures. Arguments: ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once [LENGTH]]]. LOST is the share of
+/// packets that get lost. FILE has the bytes of every picture (repeated where the picture is larger). FOLDER
+/// holds the <utc_ns>.png of a recording, each of which is shown SHIFT ns after the time that its name says;
+/// they are read when they are due, or all at once; after LENGTH ns the film begins anew. Without either
+/// there is a ramp. Says "ready" when it can be opened.
 #include <arv.h>
 #include <unistd.h>
 
@@ -30,13 +30,15 @@ volatile std::sig_atomic_t stopped = 0;
 /// The pictures of a recording, in time.
 class Film {
  public:
-  bool open(const fs::path& folder, std::int64_t shift, bool at_once) {
+  /// `length`: ns after which it begins anew; 0: it ends with the last picture.
+  bool open(const fs::path& folder, std::int64_t shift, bool at_once, std::int64_t length) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (entry.path().extension() == ".png") times_.push_back(std::stoll(entry.path().stem().string()));
     }
     std::sort(times_.begin(), times_.end());
     folder_ = folder;
     shift_ = shift;
+    length_ = length;
     for (std::size_t i = 0; at_once && i < times_.size(); ++i) pictures_.push_back(read(i));
     return times_.size() > 1;
   }
@@ -46,7 +48,12 @@ class Film {
     const std::size_t before = at_;
     const std::int64_t count = static_cast<std::int64_t>(times_.size());
     const std::int64_t period = (times_.back() - times_.front()) / (count - 1);
-    const std::int64_t time = ca2::utc_now() - shift_;
+    std::int64_t time = ca2::utc_now() - shift_;
+    if (length_ > 0 && time >= times_.front() + length_) {
+      shift_ += length_;
+      time -= length_;
+      at_ = 0;
+    }
     if (at_ + 1 < times_.size() && times_[at_ + 1] < time + period / 2) ++at_;
     while (at_ + 1 < times_.size() && times_[at_] < time - period) ++at_;
     if (!pictures_.empty()) return pictures_[at_];
@@ -61,7 +68,7 @@ class Film {
   }
 
   fs::path folder_;
-  std::int64_t shift_ = 0;
+  std::int64_t shift_ = 0, length_ = 0;
   std::vector<std::int64_t> times_;
   std::size_t at_ = 0;
   std::vector<std::uint8_t> due_;
@@ -91,7 +98,10 @@ bool open_source(int argc, char** argv) {
     return true;
   }
   have_film = fs::is_directory(argv[4]);
-  if (have_film) return film.open(argv[4], argc > 5 ? std::atoll(argv[5]) : 0, argc > 6);
+  if (have_film) {
+    return film.open(argv[4], argc > 5 ? std::atoll(argv[5]) : 0, argc > 6,
+                     argc > 7 ? std::atoll(argv[7]) : 0);
+  }
   std::ifstream file(argv[4], std::ios::binary);
   still.assign(std::istreambuf_iterator<char>(file), {});
   return !still.empty();
@@ -101,7 +111,8 @@ bool open_source(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once]]\n");
+    std::fprintf(stderr,
+                 "usage: fake_gige_camera ADDRESS SERIAL [LOST] [FILE | FOLDER SHIFT [at_once [LENGTH]]]\n");
     return 64;
   }
   if (!open_source(argc, argv)) {

@@ -92,9 +92,10 @@ ${1:-}
 EOF
 }
 
-# start_daemon ARGUMENTS...: returns when it answers.
+# start_daemon ARGUMENTS...: returns when it answers. Whoever wants it run by another program says so in DAEMON_PREFIX.
+DAEMON_PREFIX=()
 start_daemon() {
-  "$CA2_BIN/ca2d" "$@" >>"$WORK/log" 2>&1 &
+  "${DAEMON_PREFIX[@]}" "$CA2_BIN/ca2d" "$@" >>"$WORK/log" 2>&1 &
   DAEMON=$!
   wait_for 20 ca2 status --json >/dev/null 2>&1 || fail "the daemon does not answer"
 }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <atomic>
 #include <charconv>
+#include <limits>
+#include <utility>
 
 #include "core/io/files.h"
 #include "core/types/text.h"
@@ -22,6 +24,10 @@ constexpr guint ethernet_packet = 1500;
 // Aravis goes round all buffers, so that each takes its room in memory: as many as bridge 100 ms at 30 Hz,
 // and more only where the reader turns out to be later than that.
 constexpr int first_buffers = 4;
+// Of a reader in time: one is being filled, one has just been. What is free beyond two is given back, one
+// after the other, when it was for so many pictures.
+constexpr gint usually_free = 2;
+constexpr int until_given_back = 300;
 
 /// Negotiates or sets, and says what is to be mended.
 Result<std::string> settle_packet_size(ArvGvDevice* device, int wanted) {
@@ -136,8 +142,20 @@ AravisStream::Buffer AravisStream::pop() {
   gint empty = 0, filled = 0;
   arv_stream_get_n_buffers(stream_.get(), &empty, &filled);
   // We were late by a picture: the next ones shall find room even if we are later than that.
-  if (empty <= 1 && buffers_ < most_buffers_) add_buffer();
-  return {arv_stream_try_pop_buffer(stream_.get()), Requeue{stream_.get()}};
+  if (empty < usually_free && buffers_ < most_buffers_) add_buffer();
+  ArvBuffer* const buffer = arv_stream_try_pop_buffer(stream_.get());
+  return {buffer, Requeue{buffer && is_surplus(empty) ? nullptr : stream_.get()}};
+}
+
+/// Is one buffer more than enough, as of the pictures lately?
+bool AravisStream::is_surplus(int empty) {
+  fewest_empty_ = std::min(fewest_empty_, empty);
+  if (++pictures_ < until_given_back) return false;
+  pictures_ = 0;
+  const int fewest = std::exchange(fewest_empty_, std::numeric_limits<int>::max());
+  if (fewest <= usually_free || buffers_ <= first_buffers) return false;
+  --buffers_;
+  return true;
 }
 
 int AravisStream::ready_fd() const {

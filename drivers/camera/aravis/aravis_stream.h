@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,10 +28,12 @@ class AravisStream {
   AravisStream& operator=(const AravisStream&) = delete;
   ~AravisStream();
 
-  /// Gives a buffer back to the stream.
+  /// Gives a buffer back to the stream; without one, to the system.
   struct Requeue {
     ArvStream* stream = nullptr;
-    void operator()(ArvBuffer* buffer) const { arv_stream_push_buffer(stream, buffer); }
+    void operator()(ArvBuffer* buffer) const {
+      stream ? arv_stream_push_buffer(stream, buffer) : g_object_unref(buffer);
+    }
   };
   using Buffer = std::unique_ptr<ArvBuffer, Requeue>;
 
@@ -54,6 +57,7 @@ class AravisStream {
   struct Signal;
   AravisStream();
   void add_buffer();
+  bool is_surplus(int empty);
 
   std::shared_ptr<Signal> signal_;
   ArvDevice* device_ = nullptr;
@@ -61,6 +65,7 @@ class AravisStream {
   GObjectPtr<ArvStream> stream_;
   std::size_t picture_bytes_ = 0;
   int buffers_ = 0, most_buffers_ = 0;
+  int fewest_empty_ = std::numeric_limits<int>::max(), pictures_ = 0;  ///< since it was judged last
   std::vector<std::string> warnings_;
 };
 

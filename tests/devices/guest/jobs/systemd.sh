@@ -45,6 +45,14 @@ systemctl start ca2d || fail "it does not start"
 first=$(shown MainPID)
 echo "runs as process $first: $(shown StatusText)"
 
+nice_of() {
+  for task in /proc/"$first"/task/*; do
+    [ "$(cat "$task/comm")" != "$1" ] || sed 's/.*) //' "$task/stat" | cut -d' ' -f17
+  done | sort -u
+}
+[ "$(nice_of "ca2-detector 1")" = 5 ] || fail "a detector's nice is $(nice_of "ca2-detector 1"): the filter of system calls?"
+[ "$(nice_of ca2d)" = 0 ] || fail "the event loop's nice is $(nice_of ca2d)"
+
 "$CA2_BIN/system_probe" freeze "$first" "ca2-detector 1" 300 &
 restarted() { [ "$(shown NRestarts)" -ge 1 ] && [ "$(shown ActiveState)" = active ]; }
 wait_for 120 restarted || fail "a stuck worker did not get it restarted"
