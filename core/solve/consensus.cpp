@@ -21,12 +21,15 @@ PatchPlane seen_from_behind(const PatchPlane& patch) {
   return {{-patch.plane.normal, -patch.plane.offset}, patch.center, patch.normal_sigma};
 }
 
+/// How far the normals may disagree, rad.
+double angle_sigma(const ConsensusView& view, const PatchPlane& patch, const ConsensusOptions& options) {
+  return Eigen::Vector3d(options.angle_sigma, view.normal_sigma, patch.normal_sigma).norm();
+}
+
 double disagreement(const ConsensusView& view, const PatchPlane& patch, const Pose& T_camera_lidar,
                     const ConsensusOptions& options) {
-  const double angle_sigma =
-      std::hypot(options.angle_sigma, std::hypot(view.normal_sigma, patch.normal_sigma));
   const double angle_error =
-      (T_camera_lidar.R * patch.plane.normal - view.camera.normal).norm() / angle_sigma;
+      (T_camera_lidar.R * patch.plane.normal - view.camera.normal).norm() / angle_sigma(view, patch, options);
   if (angle_error * angle_error > limit) return limit + 1;
   const Eigen::Vector3d center = T_camera_lidar * patch.center;
   const double distance_error = view.camera.distance(center) / options.distance_sigma;
@@ -49,47 +52,58 @@ class PlanesAndCenters {
   PlanesAndCenters(std::vector<Pair> pairs, const ConsensusOptions& options)
       : pairs_(std::move(pairs)), options_(options) {}
 
-  double linearize(const State& T) { return evaluate(T, &equations_); }
-  double cost(const State& T) const { return evaluate(T, nullptr); }
-  std::optional<Eigen::VectorXd> step(double damping) const { return equations_.step(damping); }
-  double predicted_decrease(const Eigen::VectorXd& step) const { return equations_.predicted_decrease(step); }
-  State moved(const State& T, const Eigen::VectorXd& step) const { return T.perturbed(step); }
+  double linearize(const State& T) {
+    H_.setZero();
+    g_.setZero();
+    return evaluate(T, true);
+  }
+  double cost(const State& T) { return evaluate(T, false); }
+  std::optional<Eigen::VectorXd> step(double damping) const {
+    Matrix6d damped = H_;
+    damped.diagonal() += damping * H_.diagonal() + Vector6d::Constant(1e-15 * H_.diagonal().maxCoeff());
+    const Eigen::LDLT<Matrix6d> ldlt(damped);
+    if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return std::nullopt;
+    return -ldlt.solve(g_);
+  }
+  double predicted_decrease(const Vector6d& step) const { return -g_.dot(step) - 0.5 * step.dot(H_ * step); }
+  State moved(const State& T, const Vector6d& step) const { return T.perturbed(step); }
 
  private:
-  double evaluate(const State& T, DenseNormalEquations* equations) const {
-    if (equations) equations->clear(6);
+  double evaluate(const State& T, bool with_derivatives) {
+    const double distance = 1 / options_.distance_sigma;
+    const double center = 1 / (0.5 * options_.board_radius);
     double cost = 0;
     for (const Pair& pair : pairs_) {
-      const double angle =
-          1 / std::hypot(options_.angle_sigma, std::hypot(pair.view->normal_sigma, pair.patch.normal_sigma));
-      const double distance = 1 / options_.distance_sigma;
-      const double center = 1 / (0.5 * options_.board_radius);
+      const double angle = 1 / angle_sigma(*pair.view, pair.patch, options_);
       const Eigen::Vector3d& n = pair.view->camera.normal;
       const Eigen::Vector3d moved = T * pair.patch.center;
       Eigen::Matrix<double, 7, 1> e;
       e << angle * (T.R * pair.patch.plane.normal - n), distance * pair.view->camera.distance(moved),
           center * (moved - pair.view->center);
       cost += 0.5 * e.squaredNorm();
-      if (!equations) continue;
+      if (!with_derivatives) continue;
       const Eigen::Matrix3d d_moved = -T.R * skew(pair.patch.center);
       Eigen::Matrix<double, 7, 6> J;
       J << -angle * T.R * skew(pair.patch.plane.normal), Eigen::Matrix3d::Zero(),
           distance * n.transpose() * d_moved, distance * n.transpose() * T.R, center * d_moved, center * T.R;
-      equations->H += J.transpose() * J;
-      equations->g += J.transpose() * e;
+      H_.noalias() += J.transpose().lazyProduct(J);
+      g_.noalias() += J.transpose().lazyProduct(e);
     }
     return cost;
   }
 
   std::vector<Pair> pairs_;
   const ConsensusOptions& options_;
-  DenseNormalEquations equations_;
+  Matrix6d H_;
+  Vector6d g_;
 };
 
 struct Match {
   int patch = -1;
   bool behind = false;
   double error = limit;
+
+  bool same_as(const Match& other) const { return patch == other.patch && behind == other.behind; }
 };
 
 Match best_match(const ConsensusView& view, const Pose& T, const ConsensusOptions& options) {
@@ -117,18 +131,22 @@ double score(const std::vector<ConsensusView>& views, const std::vector<int>& su
 
 Pose refined(const std::vector<ConsensusView>& views, const std::vector<int>& subset, Pose T,
              const ConsensusOptions& options) {
+  std::vector<Match> before(subset.size());
   for (int round = 0; round < 3; ++round) {
     std::vector<PlanesAndCenters::Pair> pairs;
-    for (const int v : subset) {
-      const ConsensusView& view = views[static_cast<std::size_t>(v)];
+    bool news = false;
+    for (std::size_t i = 0; i < subset.size(); ++i) {
+      const ConsensusView& view = views[static_cast<std::size_t>(subset[i])];
       const Match match = best_match(view, T, options);
+      news = news || !match.same_as(before[i]);
+      before[i] = match;
       if (match.patch < 0) continue;
       const PatchPlane& patch = view.patches[static_cast<std::size_t>(match.patch)];
       pairs.push_back({&view, match.behind ? seen_from_behind(patch) : patch});
     }
-    if (pairs.size() < 3) return T;
+    if (pairs.size() < 3 || !news) return T;
     PlanesAndCenters problem(std::move(pairs), options);
-    minimize(problem, T, {.max_iterations = 10});
+    minimize(problem, T, {.max_iterations = 10, .gradient_tolerance = 1e-6});
   }
   return T;
 }
@@ -177,7 +195,7 @@ Pose pose_of_triple(const std::array<Choice, 3>& triple, const ConsensusOptions&
   T.R = nearest_rotation(correlation);
   T.t = camera_mean - T.R * lidar_mean;
   PlanesAndCenters problem(std::move(pairs), options);
-  minimize(problem, T, {.max_iterations = 5});
+  minimize(problem, T, {.max_iterations = 5, .gradient_tolerance = 1e-6});
   return T;
 }
 

@@ -6,22 +6,62 @@
 #include <optional>
 #include <utility>
 
+#include "core/solve/consensus.h"
+
 namespace ca2 {
 namespace {
+
+/// So many returns of a patch tell its spread well enough.
+constexpr std::size_t enough_returns = 200;
 
 /// Standard deviation of a patch normal about its worse axis, from the spread of its returns, rad.
 double patch_normal_sigma(const LidarSight& sight) {
   if (sight.on_board.size() < 4) return 0.1;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const BoardReturn& r : sight.on_board) mean += r.point.cast<double>();
-  mean /= static_cast<double>(sight.on_board.size());
+  const std::size_t step = 1 + sight.on_board.size() / enough_returns;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const BoardReturn& r : sight.on_board) {
-    const Eigen::Vector3d d = r.point.cast<double>() - mean;
-    scatter += d * d.transpose();
+  double count = 0;
+  for (std::size_t i = 0; i < sight.on_board.size(); i += step) {
+    const Eigen::Vector3d d = sight.on_board[i].point.cast<double>() - sight.center;
+    sum += d;
+    scatter.noalias() += d.lazyProduct(d.transpose());
+    count += 1;
   }
+  scatter -= sum * sum.transpose() / count;
+  scatter *= static_cast<double>(sight.on_board.size()) / count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
   return std::clamp(sight.rms / std::sqrt(std::max(1e-12, eigen.eigenvalues()(1))), 1e-4, 0.1);
+}
+
+/// A LiDAR's hypotheses in one view.
+std::vector<PatchPlane> patches_of(const std::vector<LidarSight>& sights) {
+  std::vector<PatchPlane> patches;
+  for (const LidarSight& sight : sights)
+    patches.push_back({sight.plane, sight.center, patch_normal_sigma(sight)});
+  return patches;
+}
+
+/// What the consensus needs to know of one view for a camera and a LiDAR, with the board's plate centre.
+ConsensusView consensus_view(const Board& board, const CameraSight& camera,
+                             const std::vector<PatchPlane>& patches) {
+  ConsensusView view;
+  view.camera = board_plane(camera.pose.T_camera_board);
+  const Eigen::Vector2d center = board.extent().center;
+  view.center = camera.pose.T_camera_board * Eigen::Vector3d(center.x(), center.y(), 0);
+  const double tilt_variance =
+      camera.pose.covariance.topLeftCorner<2, 2>().trace();  // about the board's x and y
+  view.normal_sigma = std::clamp(std::sqrt(std::max(0.0, tilt_variance)), 1e-4, 0.1);
+  view.patches = patches;
+  return view;
+}
+
+/// Tolerances that follow from the board's size.
+ConsensusOptions consensus_options(const Board& board, std::uint64_t seed, std::stop_token stop = {}) {
+  ConsensusOptions options;
+  options.board_radius = 0.5 * std::max(board.extent().width, board.extent().height);
+  options.seed = seed;
+  options.stop = std::move(stop);
+  return options;
 }
 
 /// The link between two sensors that most views support.
@@ -64,13 +104,14 @@ std::optional<Link> link_cameras(const Board& board, const std::vector<ViewSight
   return best;
 }
 
-std::optional<Link> link_lidar(const Board& board, const std::vector<ViewSights>& views, int camera,
-                               int lidar, int cameras, std::uint64_t seed, std::stop_token stop) {
+/// `patches`: of the LiDAR, by view.
+std::optional<Link> link_lidar(const Board& board, const std::vector<ViewSights>& views,
+                               const std::vector<std::vector<PatchPlane>>& patches, int camera, int lidar,
+                               int cameras, std::uint64_t seed, std::stop_token stop) {
   std::vector<ConsensusView> pairs;
-  for (const ViewSights& view : views) {
-    const auto& sight = view.cameras[static_cast<std::size_t>(camera)];
-    const auto& patches = view.lidars[static_cast<std::size_t>(lidar)];
-    if (sight && !patches.empty()) pairs.push_back(consensus_view(board, *sight, patches));
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto& sight = views[v].cameras[static_cast<std::size_t>(camera)];
+    if (sight && !patches[v].empty()) pairs.push_back(consensus_view(board, *sight, patches[v]));
   }
   const std::optional<Consensus> consensus =
       find_consensus(pairs, consensus_options(board, seed, std::move(stop)));
@@ -91,41 +132,24 @@ void turn_ids(std::vector<Corner>& corners, int count) {
   for (Corner& corner : corners) corner.id = count - 1 - corner.id;
 }
 
-ConsensusView consensus_view(const Board& board, const CameraSight& camera,
-                             const std::vector<LidarSight>& lidar) {
-  ConsensusView view;
-  view.camera = board_plane(camera.pose.T_camera_board);
-  const Eigen::Vector2d center = board.extent().center;
-  view.center = camera.pose.T_camera_board * Eigen::Vector3d(center.x(), center.y(), 0);
-  const double tilt_variance =
-      camera.pose.covariance.topLeftCorner<2, 2>().trace();  // about the board's x and y
-  view.normal_sigma = std::clamp(std::sqrt(std::max(0.0, tilt_variance)), 1e-4, 0.1);
-  for (const LidarSight& sight : lidar) {
-    view.patches.push_back({sight.plane, sight.center, patch_normal_sigma(sight)});
-  }
-  return view;
-}
-
-ConsensusOptions consensus_options(const Board& board, std::uint64_t seed, std::stop_token stop) {
-  ConsensusOptions options;
-  options.board_radius = 0.5 * std::max(board.extent().width, board.extent().height);
-  options.seed = seed;
-  options.stop = std::move(stop);
-  return options;
-}
-
 Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& views,
                          const std::vector<std::string>& cameras, const std::vector<std::string>& lidars,
                          std::uint64_t seed, std::stop_token stop) {
   const int camera_count = static_cast<int>(cameras.size());
   const int sensors = camera_count + static_cast<int>(lidars.size());
+  std::vector<std::vector<std::vector<PatchPlane>>> patches(lidars.size());  // [lidar][view]
+  for (std::size_t l = 0; l < lidars.size(); ++l) {
+    for (const ViewSights& view : views) patches[l].push_back(patches_of(view.lidars[l]));
+  }
   std::vector<Link> links;
   for (int c = 0; c < camera_count; ++c) {
     for (int other = c + 1; other < camera_count; ++other) {
       if (const auto link = link_cameras(board, views, c, other)) links.push_back(*link);
     }
     for (int l = 0; l < static_cast<int>(lidars.size()); ++l) {
-      if (const auto link = link_lidar(board, views, c, l, camera_count, seed, stop)) links.push_back(*link);
+      const auto& seen = patches[static_cast<std::size_t>(l)];
+      if (const auto link = link_lidar(board, views, seen, c, l, camera_count, seed, stop))
+        links.push_back(*link);
     }
   }
   std::stable_sort(links.begin(), links.end(),
@@ -164,7 +188,8 @@ Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& view
   }
   if (!problems.empty()) return fail(ErrorCode::refused, std::move(problems));
 
-  for (const ViewSights& view : views) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const ViewSights& view = views[v];
     auto& chosen = result.chosen.emplace_back(lidars.size(), -1);
     auto& turned = result.turned.emplace_back(cameras.size(), false);
     std::optional<Pose>
@@ -176,7 +201,7 @@ Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& view
         T_ref_board = pose;
         for (std::size_t l = 0; l < lidars.size(); ++l) {
           if (view.lidars[l].empty()) continue;
-          const Consensus match = match_hypotheses({consensus_view(board, *view.cameras[c], view.lidars[l])},
+          const Consensus match = match_hypotheses({consensus_view(board, *view.cameras[c], patches[l][v])},
                                                    result.T_ref_camera[c].inverse() * result.T_ref_lidar[l],
                                                    consensus_options(board, seed));
           chosen[l] = match.patch[0];

@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "core/board/board.h"
 #include "core/features/sights.h"
 #include "core/geometry/pose.h"
-#include "core/solve/consensus.h"
 #include "core/types/result.h"
 
 namespace ca2 {
@@ -20,13 +20,6 @@ struct RigSeed {
   std::vector<std::vector<int>> chosen;   ///< [view][lidar]: index of the hypothesis, -1: none agrees
   std::vector<std::vector<bool>> turned;  ///< [view][camera]: the corner ids are to be turned by half a turn
 };
-
-/// What the consensus needs to know of one view for a camera and a LiDAR, with the board's plate centre.
-ConsensusView consensus_view(const Board& board, const CameraSight& camera,
-                             const std::vector<LidarSight>& lidar);
-
-/// Tolerances that follow from the board's size.
-ConsensusOptions consensus_options(const Board& board, std::uint64_t seed, std::stop_token stop = {});
 
 /// Links the rig's sensors through the views they share, strongest links first. Refused (ErrorCode::refused)
 /// with the sensors named when one cannot be linked. `cameras` and `lidars` are names for messages.
