@@ -28,6 +28,7 @@ CameraEvidence evidence_of(const JointInput& input, const JointState& state, std
   evidence.H.setZero(parameters + 2, parameters + 2);
   evidence.g.setZero(parameters + 2);
   evidence.moves.setZero(parameters);
+  evidence.fields.reserve(input.views.size());
   for (std::size_t v = 0; v < input.views.size(); ++v) {
     if (input.views[v].corners[c].empty()) continue;
     CornerField field(input.views[v].corners[c], input.board_corners, unknowns);

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/types/four.h"
+#include "core/types/hot_loop.h"
+
 namespace ca2 {
 namespace {
 
@@ -14,6 +17,32 @@ constexpr double certain = 0.75;
 
 double huber_cost(double norm, double k) {
   return norm <= k ? 0.5 * norm * norm : k * (norm - 0.5 * k);
+}
+
+/// W with W'W = covariance^-1, lower triangular.
+Eigen::Matrix2d whitening(const Eigen::Matrix2d& covariance) {
+  const double a = 1 / std::sqrt(covariance(0, 0)), b = covariance(1, 0) * a;
+  const double c = 1 / std::sqrt(covariance(1, 1) - b * b);
+  Eigen::Matrix2d W;
+  W << a, 0, -a * b * c, c;
+  return W;
+}
+
+/// H = J J' (lower triangle) of `size` rows of `length` numbers, a multiple of four.
+CA2_HOT_LOOP void square(const double* J, Eigen::Index size, Eigen::Index length,
+                         CameraEquations::Matrix& H) {
+  for (Eigen::Index row = 0; row < size; ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      Four products = {};
+      for (Eigen::Index i = 0; i < length; i += 4) {
+        Four a, b;
+        load(a, J + row * length + i);
+        load(b, J + column * length + i);
+        products += a * b;
+      }
+      H(row, column) = sum(products);
+    }
+  }
 }
 
 Eigen::Vector3d as_printed(const Eigen::Vector3d& stated, const Eigen::Vector2d& stretch) {
@@ -29,14 +58,11 @@ CornerField::CornerField(std::span<const Corner> corners, std::span<const Eigen:
       parameters_(CameraParameters::Zero(unknowns.parameters)),
       moves_(CameraParameters::Zero(unknowns.parameters)),
       e_(Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(corners.size()))),
-      J_(Eigen::MatrixXd::Zero(size_, 2 * static_cast<Eigen::Index>(corners.size()))) {
+      J_(Jacobian::Zero(size_, 4 * ((static_cast<Eigen::Index>(corners.size()) + 1) / 2))) {
   corners_.reserve(corners.size());
   for (const Corner& corner : corners) {
     const Eigen::Vector2d& xy = positions[static_cast<std::size_t>(corner.id)];
-    corners_.push_back({corner.id,
-                        {xy.x(), xy.y(), 0},
-                        corner.pixel,
-                        corner.covariance.llt().matrixL().solve(Eigen::Matrix2d::Identity())});
+    corners_.push_back({corner.id, {xy.x(), xy.y(), 0}, corner.pixel, whitening(corner.covariance)});
   }
 }
 
@@ -100,8 +126,8 @@ void CornerField::settle(double limit) {
   settled_up_to_ = std::sqrt(settled_up_to_);
   // All as if their cost were quadratic; the single ones are put right wherever they are asked for.
   settled_.cost = 0.5 * e_.squaredNorm();
-  settled_.g.noalias() = J_ * e_.reshaped();
-  settled_.H.selfadjointView<Eigen::Lower>().rankUpdate(J_);
+  settled_.g.noalias() = J_.leftCols(e_.size()) * e_.reshaped();
+  square(J_.data(), size_, J_.cols(), settled_.H);
   settled_.H.triangularView<Eigen::StrictlyUpper>() = settled_.H.transpose();
 }
 
@@ -127,8 +153,9 @@ CameraEquations CornerField::equations(const CornerModel& model, double scale, d
     if (norm <= huber * scale) continue;
     const double off = huber * scale / norm - 1;  // of its weight
     sum.cost += huber_cost(norm, huber * scale) - 0.5 * norm * norm;
-    sum.g.noalias() += J(i).lazyProduct(off * there);
-    sum.H.noalias() += J(i).lazyProduct(off * J(i).transpose());
+    const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, CameraEquations::most, 2> J = this->J(i);
+    sum.g.noalias() += J.lazyProduct(off * there);
+    for (Eigen::Index k = 0; k < size_; ++k) sum.H.col(k) += off * (J(k, 0) * J.col(0) + J(k, 1) * J.col(1));
   }
   const double information = 1 / (scale * scale);
   sum.cost *= information;
@@ -160,7 +187,8 @@ double CornerField::cost(const CornerModel& model, double scale, double huber) c
 
 Eigen::Matrix2Xd CornerField::errors_after(const Vector& way) const {
   Eigen::Matrix2Xd errors = e_;
-  errors.reshaped().noalias() += J_.transpose() * way;
+  for (Eigen::Index k = 0; k < size_; ++k)
+    errors.reshaped() += way(k) * J_.row(k).head(errors.size()).transpose();
   return errors;
 }
 

@@ -65,6 +65,7 @@ class CornerField {
  private:
   static constexpr double intrinsics_reach = 0.1;  ///< px a corner moves: linear in the parameters so far
   using Vector = CameraEquations::Vector;
+  using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
   struct Seen {
     int id;
@@ -95,7 +96,7 @@ class CornerField {
   Eigen::Vector2d stretch_ = Eigen::Vector2d::Zero();
   CameraParameters moves_;
   Eigen::Matrix2Xd e_;               ///< whitened errors at the place last approached
-  Eigen::MatrixXd J_;                ///< [unknowns x 2 per corner]
+  Jacobian J_;                       ///< [unknowns x 2 per corner], and zeros up to whole fours
   CameraEquations settled_;          ///< of unscaled errors, as if all their costs were quadratic
   double settled_up_to_ = 0;         ///< the largest whitened error whose cost surely is
   double limit_ = 0;                 ///< errors up to here surely are

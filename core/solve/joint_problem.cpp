@@ -17,6 +17,19 @@ namespace {
 /// Holds a value that has no freedom: 1e-9 of its unit.
 constexpr double held = 1e18;
 
+using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// S -= A'B, which is symmetric: the lower triangle only. Small ones are not worth what a general product
+/// does to begin with.
+void subtract_product(const Rows& A, const Rows& B, Eigen::MatrixXd& S) {
+  for (Eigen::Index column = 0; column < S.cols(); ++column) {
+    const Eigen::Index size = S.rows() - column;
+    auto below = S.col(column).tail(size);
+    for (Eigen::Index k = 0; k < 6; k += 2)
+      below -= (B(k, column) * A.row(k).tail(size) + B(k + 1, column) * A.row(k + 1).tail(size)).transpose();
+  }
+}
+
 /// Where every camera's intrinsics begin, from `first` on, and where the last one's end.
 std::vector<int> intrinsics_places(const JointInput& input, int first) {
   std::vector<int> places{first};
@@ -259,15 +272,15 @@ std::optional<Eigen::VectorXd> JointProblem::step(double damping) {
   Eigen::MatrixXd S = prior_H_ + total_H_;
   Eigen::VectorXd r = prior_g_ + total_g_;
   S.diagonal() *= 1 + damping;
-  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> weighted(6, globals_);
+  Rows weighted(6, globals_);
   for (std::size_t v = 0; v < views_.size(); ++v) {
     Elimination& view = eliminated_[v];
     if (!eliminate(views_[v], damping, view)) return std::nullopt;
     weighted = view.inverse.asDiagonal() * view.rows;
-    S.noalias() -= weighted.transpose() * view.rows;
+    subtract_product(weighted, view.rows, S);
     r.noalias() -= weighted.transpose().lazyProduct(view.right);
   }
-  const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);
+  const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);  // of its lower triangle
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return std::nullopt;
   Eigen::VectorXd step(globals_ + 6 * static_cast<Eigen::Index>(views_.size()));
   step.head(globals_) = -ldlt.solve(r);
@@ -374,10 +387,10 @@ void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,
                               Eigen::VectorXd& gradient) const {
   Elimination eliminated;
   eliminate(views_[view], 0, eliminated);
-  const Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> weighted =
-      eliminated.inverse.asDiagonal() * eliminated.rows;
+  const Rows weighted = eliminated.inverse.asDiagonal() * eliminated.rows;
   information = views_[view].Hgg;
-  information.noalias() -= weighted.transpose() * eliminated.rows;
+  subtract_product(weighted, eliminated.rows, information);
+  information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
   gradient = views_[view].gg;
   gradient.noalias() -= weighted.transpose().lazyProduct(eliminated.right);
 }

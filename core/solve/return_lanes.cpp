@@ -1,35 +1,12 @@
 #include "core/solve/return_lanes.h"
 
-#include <cstring>
-
 #include "core/geometry/plane.h"
 #include "core/solve/range_sums.h"
+#include "core/types/four.h"
 #include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
-
-// The compilers' portable vectors: two SSE2 or NEON registers, or one of AVX2.
-using Four = double __attribute__((vector_size(32)));
-using FourFloats = float __attribute__((vector_size(16)));
-
-// A call would pass them through memory.
-#define CA2_INLINE __attribute__((always_inline)) inline
-
-CA2_INLINE void load(Four& out, const double* from) {
-  std::memcpy(&out, from, sizeof out);
-}
-CA2_INLINE void load(Four& out, const float* from) {
-  FourFloats floats;
-  std::memcpy(&floats, from, sizeof floats);
-  out = __builtin_convertvector(floats, Four);
-}
-CA2_INLINE void store(double* to, const Four& in) {
-  std::memcpy(to, &in, sizeof in);
-}
-CA2_INLINE double sum(const Four& of) {
-  return (of[0] + of[1]) + (of[2] + of[3]);
-}
 
 /// The arrays' places.
 struct Rays {
