@@ -50,6 +50,7 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
 
 /// Looks for the corners missing in and around a lattice where its neighbours predict them, until nothing is
 /// added or it has more than `most` corners.
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most);
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most,
+          Rings rings = Rings::usual);
 
 }  // namespace ca2

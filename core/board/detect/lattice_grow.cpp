@@ -86,7 +86,7 @@ std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell) {
 
 /// The corner at an empty cell, if the picture has one there that fits all its neighbours.
 std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const Lattice& lattice,
-                                const Cell& cell) {
+                                const Cell& cell, Rings rings) {
   const auto prediction = predict(lattice, cell);
   if (!prediction) return std::nullopt;
   int level = 0;
@@ -99,7 +99,7 @@ std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const La
     strength += node->saddle.strength;
     ++neighbours;
   }
-  const auto saddle = saddle_near(levels, level, prediction->pixel);
+  const auto saddle = saddle_near(levels, level, prediction->pixel, rings);
   if (!saddle || saddle->strength < 0.3 * strength / neighbours) return std::nullopt;
   if ((saddle->pixel - prediction->pixel).norm() > std::max(0.25 * prediction->pitch, 1.0)) {
     return std::nullopt;
@@ -163,7 +163,7 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
   return lattices;
 }
 
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most) {
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, Rings rings) {
   for (bool added = true; added && lattice.size() <= most;) {
     added = false;
     std::set<Cell> frontier;
@@ -174,7 +174,7 @@ void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t 
     }
     for (const Cell& cell : frontier) {
       if (lattice.size() > most) break;
-      if (const auto node = find_corner(levels, lattice, cell)) {
+      if (const auto node = find_corner(levels, lattice, cell, rings)) {
         lattice[cell] = *node;
         added = true;
       }

@@ -189,11 +189,11 @@ std::optional<Place> place_of(const Board& board, const Pixels& pixels,
 std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, const Image& grey8) {
   if (grey8.empty()) return {};
   const std::vector<SaddleLevel> levels = saddle_levels(grey8);
-  const std::vector<Saddle> saddles = strongest_saddles(levels);
+  const std::vector<Saddle> saddles = strongest_saddles(levels, Rings::small);
   const auto printed = printed_squares(board, print);
   const auto most = static_cast<std::size_t>(2 * board.columns * board.rows + 40);
   for (Lattice& piece : connected_lattices(saddles, link_neighbours(levels, saddles), 4, most_pieces)) {
-    grow(levels, piece, most);
+    grow(levels, piece, most, Rings::small);
     if (piece.size() < least_corners || piece.size() > most) continue;
     const Pixels pixels = right_handed(piece);
     const auto place = place_of(board, pixels, seen_squares(pixels, print, grey8), printed);

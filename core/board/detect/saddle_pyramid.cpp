@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/hal/intrin.hpp>
+#include <span>
 
 namespace ca2 {
 namespace {
@@ -119,8 +120,8 @@ struct EdgeCross {
   Eigen::Vector2d e1;
 };
 
-// Outside the blur as a rule; inside it where the squares are as small as that.
-constexpr double ring_radii[] = {4.0, 2.6};
+// Outside the blur as a rule; inside it where the squares are as small as that; between corner and marker.
+constexpr double ring_radii[] = {4.0, 2.6, 1.8};
 constexpr int ring_samples = 24;
 
 /// Reads the edges off a circle round a saddle: it must be cut in four fields, opposite ones alike. (The
@@ -183,7 +184,7 @@ std::optional<EdgeCross> cross_on_ring(const SaddleLevel& level, const Eigen::Ve
 }  // namespace
 
 std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int level,
-                                  const Eigen::Vector2d& pixel) {
+                                  const Eigen::Vector2d& pixel, Rings rings) {
   const SaddleLevel& s = levels[static_cast<std::size_t>(level)];
   const Eigen::Vector2d start = s.to_level(pixel);
   if (!(std::abs(start.x()) < 1e6 && std::abs(start.y()) < 1e6)) return std::nullopt;
@@ -216,7 +217,7 @@ std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int le
     if (offset.cwiseAbs().maxCoeff() > 1.0) return std::nullopt;
     const Eigen::Vector2d p = Eigen::Vector2d(x, y) + offset;
     if ((p - start).squaredNorm() > 4) return std::nullopt;
-    for (const double radius : ring_radii) {
+    for (const double radius : std::span(ring_radii).first(rings == Rings::small ? 3 : 2)) {
       if (const auto cross = cross_on_ring(s, p, radius)) {
         return Saddle{s.to_picture(p), cross->e0, cross->e1, std::sqrt(saddle), level};
       }
@@ -226,7 +227,7 @@ std::optional<Saddle> saddle_near(const std::vector<SaddleLevel>& levels, int le
   return std::nullopt;
 }
 
-std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels) {
+std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels, Rings rings) {
   std::vector<Saddle> saddles;
   // Marks the places taken, in cells of a level's pixels: a coarse level repeats what a finer one saw.
   for (int k = 0; k < static_cast<int>(levels.size()); ++k) {
@@ -249,7 +250,7 @@ std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels) {
     for (const Saddle& saddle : saddles) mark(saddle.pixel, false);
     std::size_t count = 0;
     for (const Peak& peak : peaks_of(level, most_peaks[k])) {
-      const auto saddle = saddle_near(levels, k, level.to_picture(Eigen::Vector2d(peak.x, peak.y)));
+      const auto saddle = saddle_near(levels, k, level.to_picture(Eigen::Vector2d(peak.x, peak.y)), rings);
       if (!saddle || !mark(saddle->pixel, true)) continue;
       mark(saddle->pixel, false);
       saddles.push_back(*saddle);

@@ -61,6 +61,31 @@ TEST(Charuco, IsToldByThePrintWhereMarkersAreTooSmall) {
   EXPECT_TRUE(detect_board(board, other).empty());
 }
 
+/// Squares of 8 to 13 px at all tilts: the gap between a corner and the marker beside it is less than two
+/// pixels. More than half of such boards are found, none in a wrong place.
+TEST(Charuco, IsFoundWhereMarkersTouchTheCorners) {
+  const Board board = test::make_board("charuco", 10, 7);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::narrow_camera();
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int found = 0, views = 0;
+  for (const double square : {8.0, 9.0, 10.0, 11.0, 12.0, 13.0}) {
+    for (int i = 0; i < 5; ++i, ++views) {
+      const Eigen::Vector3d bearing(0.4 * unit(random) - 0.2, 0.3 * unit(random) - 0.15, 1);
+      const double tilt = 0.1 + 0.5 * unit(random), axis = 6.28 * unit(random), roll = unit(random) - 0.5;
+      const Pose pose = test::board_pose(bearing, 1250 * board.square / square, tilt, axis, roll);
+      const auto pixels = test::true_corners(board, camera, pose);
+      const auto corners = detect_board(board, test::render_board(board, camera, pose, {}, random));
+      for (const Corner& corner : corners)
+        EXPECT_LT((corner.pixel - *pixels[static_cast<std::size_t>(corner.id)]).norm(), 0.5) << square;
+      found += 2 * corners.size() > pixels.size() ? 1 : 0;
+    }
+  }
+  std::printf("found in %d of %d views\n", found, views);
+  EXPECT_GE(found, 0.5 * views);
+}
+
 /// A hand hides corners, and no others than those under it.
 TEST(Charuco, LacksWhatIsCovered) {
   const Board board = test::make_board("charuco", 8, 6);
