@@ -8,10 +8,12 @@
 
 #include "ca2_version.h"
 #include "core/geometry/adjoint.h"
+#include "core/lidar/beam_lens.h"
 #include "core/solve/correction_notes.h"
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
+#include "core/solve/rim_doubts.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -397,10 +399,28 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
     joint.prior_intrinsics.push_back(sigma);
     joint.stated.push_back(own == options.estimated.end());
   }
-  const JointAnswer answer =
-      solve_joint(rig.board, cameras, static_cast<int>(rig.lidars.size()), views, *seed, joint);
+  for (const auto& [name, lidar] : rig.lidars) joint.lens_radius.push_back(beam_lens_radius(lidar.model));
+  const int lidars = static_cast<int>(rig.lidars.size());
+  JointAnswer answer = solve_joint(rig.board, cameras, lidars, views, *seed, joint);
+  std::vector<double> lenses(rig.lidars.size(), 0);
+  for (std::size_t l = 0; l < answer.lens_gain.size(); ++l) {
+    if (answer.lens_gain[l] > convincing_lens_gain) lenses[l] = joint.lens_radius[l];
+  }
+  if (std::any_of(lenses.begin(), lenses.end(), [](double radius) { return radius > 0; })) {
+    std::vector<ViewSights> corrected = views;
+    for (std::size_t l = 0; l < lenses.size(); ++l) {
+      if (lenses[l] > 0) corrected = through_lens(std::move(corrected), l, lenses[l]);
+    }
+    joint.lens_radius.clear();
+    answer = solve_joint(rig.board, cameras, lidars, corrected, *seed, joint);
+  }
   if (options.stop.stop_requested()) return stopped();
-  return JointReport(rig, names, views, answer, options).make();
+  Result<Calibration> calibration = JointReport(rig, names, views, answer, options).make();
+  if (!calibration) return calibration;
+  for (std::size_t l = 0; l < lenses.size(); ++l) {
+    if (lenses[l] > 0) calibration->notes.push_back(lens_note(names.lidars[l], lenses[l]));
+  }
+  return calibration;
 }
 
 }  // namespace ca2

@@ -1,6 +1,7 @@
 #include "core/solve/correction_notes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/types/text.h"
 
@@ -43,7 +44,27 @@ std::vector<std::string> correction_notes(const Rig& rig, const std::vector<View
         "%.2f +- %.2f %% along y; measure it",
         100 * print.stretch.x(), 100 * print.sigma.x(), 100 * print.stretch.y(), 100 * print.sigma.y()));
   }
+  if (answer.rims_free) {
+    std::string note =
+        formatted("the plates' rims lie %.0f mm behind their print", 1e3 * answer.state.rim_depth);
+    std::size_t l = 0;
+    for (const auto& [name, lidar] : rig.lidars) {
+      const double margin = answer.state.dilation[l++].margin;
+      note += formatted(", and %s sees them %.0f mm too far %s", name.c_str(), 1e3 * std::abs(margin),
+                        margin < 0 ? "in" : "out");
+    }
+    notes.push_back(note + ": both were estimated (a thick plate, wide beams, an outline that is off)");
+  }
   return notes;
+}
+
+std::string lens_note(const std::string& lidar, double radius) {
+  return formatted(
+      "the boards' rims show that the beams of %s begin in its lens, %.0f mm before its axis, which its "
+      "points "
+      "leave out: it was taken into account; to draw its points exactly, move each by -%.1f mm times the "
+      "tangent of its elevation along z",
+      lidar.c_str(), 1e3 * radius, 1e3 * radius);
 }
 
 }  // namespace ca2

@@ -1,4 +1,4 @@
-/// @file In words: what of the given the corners contradicted, and what it was corrected to.
+/// @file In words: what of the given the views contradicted, and what it was corrected to.
 #pragma once
 
 #include <string>
@@ -11,9 +11,13 @@
 
 namespace ca2 {
 
-/// One note for every lens and for the print, where their shape was estimated; empty where all was believed.
+/// One note for every lens, for the print and for the rims, where they were estimated; empty where all was
+/// believed.
 /// `views`: their sensors in the rig's order (by name).
 std::vector<std::string> correction_notes(const Rig& rig, const std::vector<ViewSights>& views,
                                           const JointAnswer& answer, const CalibratedPrint& print);
+
+/// Of a LiDAR whose points were taken for those of beams that begin in its lens, `radius` [m] from its axis.
+std::string lens_note(const std::string& lidar, double radius);
 
 }  // namespace ca2

@@ -103,13 +103,14 @@ std::vector<RimRay> rays_of(const std::vector<Piece>& pieces, double dilation) {
   return rays;
 }
 
-std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& pieces, double dilation,
+std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& pieces, const Dilation& seen,
                                double slack, const EdgeNoise& noise, double strays) {
   EdgeSums sums;
   sums.a = side.a;
   sums.b = side.b;
   sums.count = static_cast<int>(pieces.size());
   const double range = side.middle.norm();
+  const double dilation = seen.at(range);
   // So wide that it tells nothing.
   const double reach = 4 * slack / range;
   const auto ends = find_rim_ends(rays_of(pieces, dilation), {dilation, reach, noise.blur, strays});
@@ -136,14 +137,14 @@ void EdgeSums::share(double error) {
   H = rows.transpose() * (covariance + angle * angle * Eigen::Matrix2d::Identity()).inverse() * rows;
 }
 
-Eigen::Vector4d EdgeSums::at(const Pose& T_lidar_board, double dilation) const {
+Eigen::Vector4d EdgeSums::at(const Pose& T_lidar_board, const Dilation& dilation) const {
   Eigen::Vector4d z;
-  z << (T_lidar_board * a).cross(T_lidar_board * b).normalized(), dilation;
+  z << (T_lidar_board * a).cross(T_lidar_board * b).normalized(), dilation.at(range);
   return z;
 }
 
 std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
-                                const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
+                                const Pose& T_lidar_board, const Dilation& dilation, const EdgeNoise& noise,
                                 double slack) {
   const std::array<Side, 4> sides = sides_of(outline, T_lidar_board);
   std::array<std::vector<Piece>, 4> by_side, between_rings;
@@ -153,7 +154,7 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
     const auto p_outside = meet(T_lidar_board, crossing.outside, crossing.outside_height);
     if (!p_inside || !p_outside) continue;
     // As they are seen from the origin, wherever they begin.
-    const double range = p_inside->norm();
+    const double range = p_inside->norm(), angle = dilation.at(range);
     const Eigen::Vector3d inside = *p_inside / range, outside = p_outside->normalized();
     const double gap = range * (outside - inside).norm();
     for (std::size_t i = 0; i < 4; ++i) {
@@ -164,7 +165,7 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
       const double to = side.across.dot(*p_outside - side.middle);
       // Near a corner it is not known which side was crossed.
       if (0.5 * std::abs(from + to) > side.half_length - gap - 0.01) continue;
-      if (std::abs(piece.middle() - dilation) > 0.5 * piece.width() + slack / range) continue;
+      if (std::abs(piece.middle() - angle) > 0.5 * piece.width() + slack / range) continue;
       piece.inside_weights = weights_at(side, from);
       piece.outside_weights = weights_at(side, to);
       (crossing.across_rings ? between_rings : by_side)[i].push_back(piece);
@@ -186,7 +187,7 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
 }
 
 std::optional<double> center_offset(std::span<const EdgeSums> edges, const Pose& T_lidar_board,
-                                    double dilation) {
+                                    const Dilation& dilation) {
   // The dilation is left free: where one side is known better than that opposite, it would be a shift.
   Eigen::Matrix3d H = 1 / (dilation_sigma * dilation_sigma) * Eigen::Vector3d::UnitZ().asDiagonal();
   Eigen::Vector3d g = Eigen::Vector3d::Zero();

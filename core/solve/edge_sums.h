@@ -15,15 +15,35 @@ namespace ca2 {
 /// 2 to 6 mrad wide, and a plate answers from any part of one. Standard deviation, rad.
 inline constexpr double dilation_sigma = 0.004;
 
+/// Boards are up to some 20 mm thick; of how far behind the print their rims lie, m.
+inline constexpr double rim_depth_sigma = 0.01;
+
+/// By how much a LiDAR sees plates too large: their rims lie outside of the plates' sides.
+struct Dilation {
+  double angle = 0;   ///< rad
+  double margin = 0;  ///< m
+
+  /// As an angle, of a side `range` metres away.
+  double at(double range) const { return angle + margin / range; }
+};
+
+/// What rims may be off by beside an angle. Standard deviation of each before anything was measured, 0: it is
+/// held at 0.
+struct RimFreedom {
+  double margin = 0;  ///< of Dilation::margin, m
+  double depth = 0;   ///< m: of how far along the boards' z axes the rims lie, behind the print
+};
+
 /// How well a LiDAR tells where a rim is, beside the gap between its rays.
 struct EdgeNoise {
   double blur = 0;    ///< rad: a ray is trusted to within this (the beam's width, its encoder)
   double shared = 0;  ///< m: of either end of a side, all its crossings together (cut, tape, bent rim)
+  double sway = 0;  ///< m: of all sides of a plate together, along either of its axes (a hand that holds it)
 };
 
 /// The crossings of one side of the plate. The side and the LiDAR's origin span a plane; with its unit normal
-/// n (outwards) and the dilation d - the angle by which a beam sees the plate beyond its rim - the cost is
-/// 1/2 z'Hz with z = (n, d): the rim lies at the angle d outside of the side.
+/// n (outwards) and the dilation d at its range the cost is 1/2 z'Hz with z = (n, d): the rim lies at the
+/// angle d outside of the side.
 struct EdgeSums {
   Eigen::Vector3d a, b;  ///< ends of the side, board frame, m; n is along (T a) x (T b)
   Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
@@ -37,7 +57,7 @@ struct EdgeSums {
   /// Makes H what it is with this error as EdgeNoise::shared, m.
   void share(double error);
   /// z of this side for a board at T_lidar_board.
-  Eigen::Vector4d at(const Pose& T_lidar_board, double dilation) const;
+  Eigen::Vector4d at(const Pose& T_lidar_board, const Dilation& dilation) const;
 };
 
 /// The sums of all sides that crossings were seen of, the plate being at about T_lidar_board. Covered
@@ -50,12 +70,12 @@ struct EdgeSums {
 /// `find_rim_ends`): rings that cut their gaps at the same place count once by themselves, rings that cut
 /// them at all places leave little.
 std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
-                                const Pose& T_lidar_board, double dilation, const EdgeNoise& noise,
+                                const Pose& T_lidar_board, const Dilation& dilation, const EdgeNoise& noise,
                                 double slack);
 
 /// Where the sides see the plate's centre: in-plane distance [m] of the centre that fits the sums best from
 /// the one at T_lidar_board, everything else held. Nothing where they do not fix it to 10 mm.
 std::optional<double> center_offset(std::span<const EdgeSums> edges, const Pose& T_lidar_board,
-                                    double dilation);
+                                    const Dilation& dilation);
 
 }  // namespace ca2

@@ -30,6 +30,11 @@ void subtract_product(const Rows& A, const Rows& B, Eigen::MatrixXd& S) {
   }
 }
 
+/// Information of a prior with this standard deviation; 0 holds the value.
+double known_to(double sigma) {
+  return sigma > 0 ? 1 / (sigma * sigma) : held;
+}
+
 /// Where every camera's intrinsics begin, from `first` on, and where the last one's end.
 std::vector<int> intrinsics_places(const JointInput& input, int first) {
   std::vector<int> places{first};
@@ -48,7 +53,7 @@ JointProblem::JointProblem(const JointInput& input)
       intrinsics_(intrinsics_places(input, lidar_poses_ + 6 * lidars_)),
       stretch_(intrinsics_.back()),
       biases_(stretch_ + (input.prior_stretch > 0 ? 2 : 0)),
-      globals_(biases_ + 3 * lidars_),
+      globals_(biases_ + 4 * lidars_ + 1),
       views_(input.views.size()),
       eliminated_(input.views.size()) {
   for (const JointView& view : input.views) {
@@ -84,8 +89,8 @@ double JointProblem::lidar_cost(const State& state, std::size_t view, int lidar,
   const std::vector<EdgeSums>& edges = input_.views[view].edges[l];
   if (!sums && edges.empty()) return 0;
   const Pose T_lidar_board = sensor_board(state, cameras_ + lidar, view);
-  const LidarErrors errors{state.range_bias[l], state.dilation[l], state.range_slope[l]};
-  double cost = add_edges(edges, T_lidar_board, errors, equations);
+  const LidarErrors errors{state.range_bias[l], state.dilation[l], state.rim_depth, state.range_slope[l]};
+  double cost = add_edges(edges, input_.edge_sway[l], T_lidar_board, errors, equations);
   if (sums) cost += add_ranges(*sums, input_.range_sigma[l], T_lidar_board, errors, equations);
   return cost;
 }
@@ -148,7 +153,9 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
     SensorEquations sensor;
     cost += lidar_cost(state, view, l, &sensor);
     add_sensor(sensor, sensor_board(state, cameras_ + l, view), lidar_pose_index(l),
-               std::array{bias_index(l), dilation_index(l), slope_index(l)}, equations);
+               std::array{bias_index(l), dilation_index(l), dilation_index(l) + 1, slope_index(l),
+                          rim_depth_index()},
+               equations);
   }
   return cost;
 }
@@ -161,10 +168,7 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     (*H)(index, index) += information;
     (*g)(index) += information * error;
   };
-  const auto loose = [&](double sigma) {
-    if (!(sigma > 0)) return held;
-    return input_.nuisances ? 0 : 1 / (sigma * sigma);
-  };
+  const auto loose = [&](double sigma) { return sigma > 0 && input_.nuisances ? 0 : known_to(sigma); };
   for (int c = 0; c < cameras_; ++c) {
     const CameraParameters& given = input_.cameras[static_cast<std::size_t>(c)].parameters;
     const CameraParameters& now = state.cameras[static_cast<std::size_t>(c)].parameters;
@@ -177,12 +181,13 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     add(stretch_index() + k, state.stretch(k), loose(input_.prior_stretch));
   for (int l = 0; l < lidars_; ++l) {
     add(bias_index(l), state.range_bias[static_cast<std::size_t>(l)], loose(input_.prior_bias));
-    const double slope = input_.prior_range_slope[static_cast<std::size_t>(l)];
     add(slope_index(l), state.range_slope[static_cast<std::size_t>(l)],
-        slope > 0 ? 1 / (slope * slope) : held);
-    add(dilation_index(l), state.dilation[static_cast<std::size_t>(l)],
-        input_.prior_dilation > 0 ? 1 / (input_.prior_dilation * input_.prior_dilation) : held);
+        known_to(input_.prior_range_slope[static_cast<std::size_t>(l)]));
+    const Dilation& dilation = state.dilation[static_cast<std::size_t>(l)];
+    add(dilation_index(l), dilation.angle, known_to(input_.prior_dilation));
+    add(dilation_index(l) + 1, dilation.margin, known_to(input_.rim_freedom.margin));
   }
+  add(rim_depth_index(), state.rim_depth, known_to(input_.rim_freedom.depth));
   if (input_.nuisances) {
     const Eigen::VectorXd d = deviations(state);
     const Eigen::VectorXd pulled = input_.nuisances->information * d - input_.nuisances->pull;
@@ -324,8 +329,10 @@ JointState JointProblem::moved(const State& state, const Eigen::VectorXd& step) 
     next.T_ref_lidar[i] = state.T_ref_lidar[i].perturbed(step.segment<6>(lidar_pose_index(l)));
     next.range_bias[i] += step(bias_index(l));
     next.range_slope[i] += step(slope_index(l));
-    next.dilation[i] += step(dilation_index(l));
+    next.dilation[i].angle += step(dilation_index(l));
+    next.dilation[i].margin += step(dilation_index(l) + 1);
   }
+  next.rim_depth += step(rim_depth_index());
   for (std::size_t v = 0; v < views_.size(); ++v) {
     next.T_ref_board[v] =
         state.T_ref_board[v].perturbed(step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v)));

@@ -47,8 +47,9 @@ struct JointInput {
   double prior_stretch = 0;               ///< sigma of the print's stretch along x and y; 0: it is as stated
   double prior_bias = 0;                  ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
-  double prior_dilation =
-      0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it at 0
+  double prior_dilation = 0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it
+  RimFreedom rim_freedom;
+  std::vector<double> edge_sway;     ///< by LiDAR: EdgeNoise::sway, m
   std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
   /// Takes the place of the priors on intrinsics, stretch and range biases that are not held: deviations from
   /// the given intrinsics (the free ones of every camera), the stretch (2, where unknown) and the biases (1
@@ -66,7 +67,9 @@ struct JointState {
   Eigen::Vector2d stretch = Eigen::Vector2d::Zero();  ///< of the print, see CornerModel
   std::vector<double> range_bias;                     ///< by LiDAR, m
   std::vector<double> range_slope;  ///< by LiDAR, m per sine of the elevation, see RangeSums
-  std::vector<double> dilation;     ///< by LiDAR, rad, see EdgeSums
+  std::vector<Dilation> dilation;   ///< by LiDAR
+  double rim_depth = 0;             ///< m: where the plates' rims are along the boards' z axes: behind the
+                                    ///< print by half the plate's thickness
   std::vector<Pose> T_ref_board;    ///< by view
 };
 
@@ -76,8 +79,9 @@ struct JointState {
 /// corners are those it had at the construction.
 ///
 /// Order of the global unknowns: 6 per camera but the first, 6 per LiDAR, every camera's free parameters, the
-/// print's stretch (2, where unknown), 1 per LiDAR (range bias), 1 per LiDAR (dilation), 1 per LiDAR (range
-/// slope); poses as right perturbations (rotation, translation) of T_ref_sensor.
+/// print's stretch (2, where unknown), 1 per LiDAR (range bias), 2 per LiDAR (dilation: angle,
+/// margin), 1 per LiDAR (range slope), the rims' depth; poses as right perturbations (rotation, translation)
+/// of T_ref_sensor.
 class JointProblem {
  public:
   using State = JointState;
@@ -112,8 +116,9 @@ class JointProblem {
   bool stretch_free() const { return biases_ > stretch_; }
   int stretch_index() const { return stretch_; }
   int bias_index(int lidar) const { return biases_ + lidar; }
-  int dilation_index(int lidar) const { return biases_ + lidars_ + lidar; }
-  int slope_index(int lidar) const { return biases_ + 2 * lidars_ + lidar; }
+  int dilation_index(int lidar) const { return biases_ + lidars_ + 2 * lidar; }  ///< angle; margin
+  int slope_index(int lidar) const { return biases_ + 3 * lidars_ + lidar; }
+  int rim_depth_index() const { return biases_ + 4 * lidars_; }
 
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;

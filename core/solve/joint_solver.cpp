@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/scaled_inverse.h"
@@ -11,6 +12,8 @@
 #include "core/solve/corner_noise.h"
 #include "core/solve/leave_one_out.h"
 #include "core/solve/lidar_returns.h"
+#include "core/solve/plate_rims.h"
+#include "core/solve/rim_doubts.h"
 #include "core/solve/view_use.h"
 
 namespace ca2 {
@@ -32,7 +35,11 @@ class Solver {
  public:
   Solver(const Board& board, const std::vector<Camera>& cameras, int lidars,
          const std::vector<ViewSights>& views, const RigSeed& seed, const JointOptions& options)
-      : board_(board), ink_(board), views_(views), lidars_(static_cast<std::size_t>(lidars)) {
+      : ink_(board),
+        views_(views),
+        lidars_(static_cast<std::size_t>(lidars)),
+        rims_(board, views, seed.chosen, lidars_),
+        lens_radius_(options.lens_radius) {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
@@ -48,13 +55,14 @@ class Solver {
     answer_.edge_noise.resize(lidars_);
     answer_.outline_offset.assign(lidars_, std::numeric_limits<double>::quiet_NaN());
     input_.prior_dilation = dilation_sigma;
-    outlines_.assign(views.size(), board.extent());
+    input_.edge_sway.assign(lidars_, 0);
     answer_.corner_scale.assign(cameras.size(), 1);
     neighbours_ = neighbouring_corners(input_.board_corners, 1.2 * board.square);
     state_.T_ref_camera = seed.T_ref_camera;
     state_.T_ref_lidar = seed.T_ref_lidar;
     state_.cameras = cameras;
-    state_.range_bias = state_.range_slope = state_.dilation = std::vector<double>(lidars_, 0);
+    state_.range_bias = state_.range_slope = std::vector<double>(lidars_, 0);
+    state_.dilation.resize(lidars_);
     state_.T_ref_board.resize(views.size());
     for (std::size_t l = 0; l < lidars_; ++l) {
       std::vector<int> chosen;
@@ -122,7 +130,7 @@ class Solver {
       view.edges.assign(lidars_, {});
     }
     for (std::size_t l = 0; l < lidars_; ++l) prepare_ranges(l);
-    if (edge_slack_ > 0) prepare_edges();
+    if (rims_.in_use()) prepare_edges();
   }
 
   void choose_views() {
@@ -148,7 +156,7 @@ class Solver {
       if (!placed_) {
         input_.views[i].ranges[l] = returns_[l].as_found(v);
       } else {
-        boards.push_back({v, outlines_[v], T_lidar_board(v, l)});
+        boards.push_back({v, rims_.outline(v), T_lidar_board(v, l)});
         places.push_back(i);
       }
     }
@@ -251,49 +259,13 @@ class Solver {
     solve();
   }
 
-  /// What LiDAR `l` saw of the plate's rim in a view.
-  std::optional<EdgeView> edge_view(std::size_t v, std::size_t l) const {
-    if (answer_.chosen[v][l] < 0) return std::nullopt;
-    const LidarSight& sight = views_[v].lidars[l][static_cast<std::size_t>(answer_.chosen[v][l])];
-    if (sight.crossings.empty()) return std::nullopt;
-    return EdgeView{sight.crossings, outlines_[v], T_lidar_board(v, l)};
-  }
-  std::vector<EdgeView> edge_views(std::size_t l) const {
-    std::vector<EdgeView> list;
-    for (const std::size_t v : active_) {
-      if (const auto view = edge_view(v, l)) list.push_back(*view);
-    }
-    return list;
-  }
-
-  std::vector<EdgeSums> edges_of(const EdgeView& view, std::size_t l) const {
-    return edge_sums(view.crossings, view.outline, view.T_lidar_board, state_.dilation[l],
-                     answer_.edge_noise[l], edge_slack_);
-  }
-
-  /// Where the plate's centre is not the pattern's, the rims tell from which end the corners were counted.
-  void settle_half_turns() {
-    if (!board_.type->half_turn_ambiguous(board_) || board_.extent().center.isZero()) return;
-    for (const std::size_t v : active_) {
-      double gain = 0;
-      for (std::size_t l = 0; l < lidars_; ++l) {
-        std::optional<EdgeView> view = edge_view(v, l);
-        if (!view) continue;
-        gain += edge_misfit(*view, state_.dilation[l], answer_.edge_noise[l], edge_slack_);
-        view->outline.center = -view->outline.center;
-        gain -= edge_misfit(*view, state_.dilation[l], answer_.edge_noise[l], edge_slack_);
-      }
-      if (gain > 0) outlines_[v].center = -outlines_[v].center;
-    }
-  }
-
   void prepare_edges() {
     answer_.edges = 0;
+    answer_.edge_noise = rims_.noise();
     for (std::size_t l = 0; l < lidars_; ++l) {
+      input_.edge_sway[l] = answer_.edge_noise[l].sway;
       for (std::size_t i = 0; i < active_.size(); ++i) {
-        const auto view = edge_view(active_[i], l);
-        if (!view) continue;
-        input_.views[i].edges[l] = edges_of(*view, l);
+        input_.views[i].edges[l] = rims_.sums(state_, active_[i], l);
         answer_.edges += static_cast<int>(input_.views[i].edges[l].size());
       }
     }
@@ -302,40 +274,64 @@ class Solver {
   /// Solves once more with the plates' rims, which fix the position inside the planes that planes alone
   /// leave weak. Kept unless the answer moves by more than its uncertainty without them allows.
   void add_edges() {
-    bool any = false;
-    for (std::size_t l = 0; l < lidars_; ++l) any = any || !edge_views(l).empty();
-    if (!any) return;
-    const JointAnswer without = answer_;
+    if (!rims_.any(active_)) return;
+    JointAnswer without = answer_;
     for (const double slack : {0.06, 0.025, 0.015, 0.01}) {
-      edge_slack_ = slack;
-      settle_half_turns();
-      for (std::size_t l = 0; l < lidars_; ++l) {
-        const std::vector<EdgeView> views = edge_views(l);
-        if (views.empty()) continue;
-        EdgeNoise& noise = answer_.edge_noise[l];
-        noise.blur = estimate_edge_blur(views, state_.dilation[l], slack);
-        if (slack == 0.06)
-          answer_.outline_offset[l] = mean_center_offset(views, state_.dilation[l], noise, slack);
-        if (slack < 0.05)
-          noise.shared = estimate_shared_edge_error(views, state_.dilation[l], noise.blur, slack);
-      }
+      // Rims that lie off for a reason must not be left out before it is known.
+      if (slack == 0.015) question_rims();
+      rims_.look_within(slack);
+      rims_.settle_half_turns(state_, active_);
+      rims_.estimate_blur(state_, active_);
+      if (slack == 0.06)
+        without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);
+      else
+        rims_.estimate_errors(state_, active_);
       solve();
-      if (answer_.edges == 0) break;
+      if (answer_.edges == 0) {
+        answer_ = std::move(without);
+        return;
+      }
     }
-    const std::vector<double> offsets = answer_.outline_offset;
+    without.lens_gain = answer_.lens_gain =
+        rims_.lens_gains(state_, active_, input_.rim_freedom, lens_radius_);
+    // With their rims views may disagree where planes alone left room to agree.
+    explain_misfit();
     finish();
-    bool contradict = answer_.edges == 0 || !answer_.covariance.allFinite();
-    for (std::size_t l = 0; l < lidars_ && !contradict && without.covariance.allFinite(); ++l) {
+    if (!contradicts(without) || (answer_.view_sigma != without.view_sigma && !contradicts(planes_alone())))
+      return;
+    answer_ = std::move(without);
+    answer_.edges_dropped = true;
+  }
+
+  /// Frees what the rims contradict.
+  void question_rims() {
+    if (!(rims_.freedom_gain(state_, active_) > convincing_freedom_gain)) return;
+    input_.rim_freedom = rim_freedom;
+    solve();
+  }
+
+  /// The answer without rims, with the views' own errors as they are known now.
+  JointAnswer planes_alone() {
+    JointAnswer with = answer_;
+    const JointState state = state_;
+    rims_.look_within(0);
+    solve();
+    finish();
+    state_ = state;
+    return std::exchange(answer_, std::move(with));
+  }
+
+  /// Does the answer lie further from the one without rims than that allows?
+  bool contradicts(const JointAnswer& without) const {
+    if (!answer_.covariance.allFinite()) return true;
+    if (!without.covariance.allFinite()) return false;
+    for (std::size_t l = 0; l < lidars_; ++l) {
       const Vector6d change = without.state.T_ref_lidar[l].difference(answer_.state.T_ref_lidar[l]);
       const Eigen::Index i = 6 * static_cast<Eigen::Index>(answer_.state.T_ref_camera.size() - 1 + l);
-      contradict = !(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6);
+      if (!(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6))
+        return true;
     }
-    if (!contradict) return;
-    any = answer_.edges > 0;
-    answer_ = without;
-    answer_.outline_offset = offsets;
-    answer_.edges = 0;
-    answer_.edges_dropped = any;
+    return false;
   }
 
   /// Corner noise, from the reprojection residuals at the solution.
@@ -397,6 +393,7 @@ class Solver {
     }
     answer_.state = state_;
     answer_.stretch_free = input_.prior_stretch > 0;
+    answer_.rims_free = rims_.in_use() && input_.rim_freedom.depth > 0;
     answer_.free_intrinsics.clear();
     for (const CameraParameters& sigma : input_.prior_intrinsics)
       answer_.free_intrinsics.push_back(static_cast<int>(sigma.size()));
@@ -419,12 +416,11 @@ class Solver {
     if (active_.size() >= 4) answer_.leave_one_out = leave_one_out(*problem_, information, active_.size());
   }
 
-  const Board& board_;
   const InkMap ink_;
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
-  double edge_slack_ = 0;  ///< m: how far a rim may lie from where it is predicted; 0: rims are not used
-  std::vector<Outline> outlines_;      ///< by view: about a pattern whose ids may start at either end
+  PlateRims rims_;
+  std::vector<double> lens_radius_;
   std::vector<LidarReturns> returns_;  ///< by LiDAR
   DoubtPriors doubt_priors_;
   JointInput input_;

@@ -24,7 +24,8 @@ struct JointOptions {
                              ///< is weighed by what the views show
   DoubtPriors doubt_priors;  ///< of what is believed until the corners contradict it
   std::vector<RelativePrior> relative;
-  std::stop_token stop = {};  ///< once this is asked for it gives up soon, and the answer means nothing
+  std::vector<double> lens_radius;  ///< by LiDAR, m, see `lens_gain`; 0 or empty: nothing to ask
+  std::stop_token stop = {};        ///< once this is asked for it gives up soon, and the answer means nothing
 };
 
 /// What became of a view.
@@ -44,10 +45,14 @@ struct JointAnswer {
   std::vector<double> range_sigma;       ///< by LiDAR, m
   std::vector<int> free_intrinsics;      ///< by camera: how many of its parameters were unknowns
   bool stretch_free = false;             ///< the print's stretch was unknown too
+  bool rims_free = false;                ///< and RimFreedom
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
   std::vector<double>
       view_sigma;  ///< by LiDAR, m: what all returns of a view err by together; 0: nothing seen
-  std::vector<EdgeNoise> edge_noise;   ///< by LiDAR
+  std::vector<EdgeNoise> edge_noise;  ///< by LiDAR
+  /// By LiDAR: how much more probable the rims are where its beams begin in the lens of
+  /// JointOptions::lens_radius, logarithm; empty without rims.
+  std::vector<double> lens_gain;
   std::vector<double> outline_offset;  ///< by LiDAR, m: rms distance, in the plane, from the plates' centres
                                        ///< as their rims show them to where the answer without rims has them:
                                        ///< an independent check; NaN: none

@@ -12,8 +12,9 @@ namespace ca2 {
 
 /// A LiDAR's errors, see RangeSums and EdgeSums.
 struct LidarErrors {
-  double range_bias = 0;   ///< m
-  double dilation = 0;     ///< rad
+  double range_bias = 0;  ///< m
+  Dilation dilation;
+  double rim_depth = 0;    ///< m, see JointState
   double range_slope = 0;  ///< m per sine of the elevation
 };
 
@@ -22,8 +23,8 @@ struct LidarErrors {
 double add_ranges(const RangeSums& sums, double sigma, const Pose& T_lidar_board, const LidarErrors& errors,
                   SensorEquations* equations);
 
-/// The same of the plate's rim.
-double add_edges(std::span<const EdgeSums> edges, const Pose& T_lidar_board, const LidarErrors& errors,
-                 SensorEquations* equations);
+/// The same of the plate's rim, `sway` [m] being EdgeNoise::sway.
+double add_edges(std::span<const EdgeSums> edges, double sway, const Pose& T_lidar_board,
+                 const LidarErrors& errors, SensorEquations* equations);
 
 }  // namespace ca2

@@ -8,15 +8,16 @@
 
 namespace ca2 {
 
-using Vector10d = Eigen::Matrix<double, 10, 1>;
-using Matrix10d = Eigen::Matrix<double, 10, 10>;
+using Vector11d = Eigen::Matrix<double, 11, 1>;
+using Matrix11d = Eigen::Matrix<double, 11, 11>;
 
 /// Cost, gradient and Gauss-Newton matrix by a right perturbation of T_lidar_board (rotation, translation)
-/// and the LiDAR's own numbers: range bias [m], dilation [rad] and range slope [m].
+/// and the LiDAR's own numbers: range bias [m], the dilation's angle [rad] and margin [m], and range
+/// slope [m].
 struct SensorEquations {
   double cost = 0;
-  Vector10d g = Vector10d::Zero();
-  Matrix10d H = Matrix10d::Zero();
+  Vector11d g = Vector11d::Zero();
+  Matrix11d H = Matrix11d::Zero();
 };
 
 /// The same of T_camera_board, the camera's free parameters (the first so many of its model's) and, where it

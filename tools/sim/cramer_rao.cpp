@@ -65,7 +65,8 @@ std::optional<Matrix6d> cramer_rao(const Scenario& scenario, const Rig& rig,
     state.T_ref_lidar.push_back(T_ref_rig * scenario.T_rig_sensor(name));
     state.range_bias.push_back(0);
     state.range_slope.push_back(0);
-    state.dilation.push_back(dilation_per_divergence * noise.divergence);
+    state.dilation.push_back({dilation_per_divergence * noise.divergence, 0});
+    input.edge_sway.push_back(0);
   }
   for (const SimulatedView& view : views) {
     const auto& [sensor, T_sensor_board] = *view.T_sensor_board.begin();

@@ -8,51 +8,15 @@
 #include <cmath>
 #include <random>
 
+#include "tests/core/solve/rim_scan.h"
+
 namespace ca2 {
 namespace {
 
-const Outline outline{0.6, 0.4, {0.01, -0.02}};
-constexpr double step = 0.0035;  // rad, between columns
-constexpr double ring_step = 0.006;
+constexpr auto& outline = test_plate;
 
-/// A plate 2 m ahead of a sensor with x forward, turned about its normal by `roll`.
-Pose plate_at(double roll) {
-  Eigen::Matrix3d axes;
-  axes << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return {axes * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()) *
-              Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()),
-          {2, 0.1, 0.05}};
-}
-
-/// What rings on a grid that begins at `phase` see of a plate, whose rim looks `dilation` [rad] too far out.
 std::vector<EdgeCrossing> scan(const Pose& T_lidar_board, double phase, double dilation) {
-  const auto on_plate = [&](const Eigen::Vector3d& ray) {
-    const double w = 0.5 * outline.width, h = 0.5 * outline.height;
-    const Eigen::Vector2d corners[]{{w, h}, {w, -h}, {-w, -h}, {-w, h}};
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto end = [&](const Eigen::Vector2d& c) {
-        return T_lidar_board * Eigen::Vector3d(outline.center.x() + c.x(), outline.center.y() + c.y(), 0);
-      };
-      if (end(corners[i]).cross(end(corners[(i + 1) % 4])).normalized().dot(ray) > dilation) return false;
-    }
-    return true;
-  };
-  std::vector<EdgeCrossing> crossings;
-  for (int ring = -60; ring <= 60; ++ring) {
-    const auto ray = [&](int column) {
-      const double azimuth = (column + phase) * step, elevation = ring * ring_step;
-      return Eigen::Vector3d(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
-                             std::sin(elevation));
-    };
-    for (int column = -150; column < 150; ++column) {
-      const Eigen::Vector3d here = ray(column), next = ray(column + 1);
-      if (on_plate(here) == on_plate(next)) continue;
-      const bool leaves = on_plate(here);
-      crossings.push_back({(leaves ? here : next).cast<float>(), (leaves ? next : here).cast<float>(), 1,
-                           static_cast<std::uint16_t>(ring + 60), false});
-    }
-  }
-  return crossings;
+  return scan_rim(T_lidar_board, {.phase = phase, .dilation = {dilation, 0}});
 }
 
 /// Minimises the sums over the place in the plane and the turn about the normal.
@@ -66,13 +30,13 @@ Fit fit(const Pose& truth, const std::vector<EdgeCrossing>& crossings, double di
   for (int round = 0; round < 5; ++round) {
     H.setZero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    for (const EdgeSums& edge : edge_sums(crossings, outline, T, dilation, {}, 0.03)) {
-      const Eigen::Vector4d z = edge.at(T, dilation);
+    for (const EdgeSums& edge : edge_sums(crossings, outline, T, {dilation, 0}, {}, 0.03)) {
+      const Eigen::Vector4d z = edge.at(T, {dilation, 0});
       Eigen::Matrix<double, 4, 3> D;
       for (int k = 0; k < 3; ++k) {
         Vector6d d = Vector6d::Zero();
         d(k < 2 ? 3 + k : 2) = 1e-5;
-        D.col(k) = (edge.at(T.perturbed(d), dilation) - z) / 1e-5;
+        D.col(k) = (edge.at(T.perturbed(d), {dilation, 0}) - z) / 1e-5;
       }
       H += D.transpose() * edge.H * D;
       g += D.transpose() * edge.H * z;
@@ -111,7 +75,7 @@ TEST(EdgeSums, RingsThatCutTheSameGapCountOnce) {
   std::vector<EdgeCrossing> crossings = scan(T, 0.3, 0);
   const auto information = [&](const std::vector<EdgeCrossing>& list) {
     double sum = 0;
-    for (const EdgeSums& edge : edge_sums(list, outline, T, 0, {1e-5, 0}, 0.03)) sum += edge.H(3, 3);
+    for (const EdgeSums& edge : edge_sums(list, outline, T, {}, {1e-5, 0, 0}, 0.03)) sum += edge.H(3, 3);
     return sum;
   };
   const double once = information(crossings);
@@ -126,24 +90,24 @@ TEST(EdgeSums, CoveredAndForeignCrossingsTellNothing) {
   const Pose T = plate_at(0.2);
   std::vector<EdgeCrossing> crossings = scan(T, 0.3, 0);
   for (EdgeCrossing& crossing : crossings) crossing.jump = -0.2f;
-  EXPECT_TRUE(edge_sums(crossings, outline, T, 0, {}, 0.03).empty());
+  EXPECT_TRUE(edge_sums(crossings, outline, T, {}, {}, 0.03).empty());
   // Something in the plane of the board that sticks out: its rim is not the plate's.
   crossings = scan(T, 0.3, 0);
   const Pose elsewhere{T.R, T.t + 0.15 * T.R.col(0)};
-  for (const EdgeSums& edge : edge_sums(crossings, outline, elsewhere, 0, {}, 0.03)) {
+  for (const EdgeSums& edge : edge_sums(crossings, outline, elsewhere, {}, {}, 0.03)) {
     EXPECT_GT(std::abs(edge.a.x() - edge.b.x()), 0.1) << "an upright side from 0.15 m beside it";
   }
-  EXPECT_TRUE(edge_sums({}, outline, T, 0, {}, 0.03).empty());
+  EXPECT_TRUE(edge_sums({}, outline, T, {}, {}, 0.03).empty());
 }
 
 TEST(EdgeSums, TheCentreIsSeenWhereItIs) {
   const Pose T = plate_at(0.4);
   const std::vector<EdgeCrossing> crossings = scan(T, 0.3, 0.001);
   const Pose moved{T.R, T.t + 0.008 * T.R.col(0) - 0.006 * T.R.col(1)};
-  const auto offset = center_offset(edge_sums(crossings, outline, moved, 0, {}, 0.03), moved, 0);
+  const auto offset = center_offset(edge_sums(crossings, outline, moved, {}, {}, 0.03), moved, {});
   ASSERT_TRUE(offset);
   EXPECT_NEAR(*offset, 0.010, 0.0015);
-  EXPECT_FALSE(center_offset({}, T, 0));
+  EXPECT_FALSE(center_offset({}, T, {}));
 }
 
 }  // namespace

@@ -37,6 +37,8 @@ struct Example {
     input.prior_stretch = 0.003;
     input.prior_bias = 0.01;
     input.prior_dilation = 0.004;
+    input.rim_freedom = {0.005, 0.01};
+    input.edge_sway = {0, 0};
     input.prior_range_slope = {0.02, 0.01};
     Pose T_camera_lidar;
     T_camera_lidar.R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -50,7 +52,8 @@ struct Example {
     state.stretch = {0.002, -0.001};
     state.range_bias = {0.004, -0.007};
     state.range_slope = {0.003, -0.002};
-    state.dilation = {0.001, 0.002};
+    state.dilation = {{0.001, 0.003}, {0.002, -0.001}};
+    state.rim_depth = 0.004;
     for (int v = 0; v < 3; ++v) {
       Pose T_ref_board = Pose{Eigen::Matrix3d::Identity(), {0.1 * v, 0.05, 2}}.perturbed(small(0.3, 0.05));
       state.T_ref_board.push_back(T_ref_board);
@@ -84,8 +87,8 @@ struct Example {
           };
           crossings.push_back({ray(x - out), ray(x + out), 1, static_cast<std::uint16_t>(i), false});
         }
-        view.edges[s] =
-            edge_sums(crossings, {0.5, 0.4, Eigen::Vector2d::Zero()}, T_lidar_board, 0, {1e-4, 1e-3}, 0.02);
+        view.edges[s] = edge_sums(crossings, {0.5, 0.4, Eigen::Vector2d::Zero()}, T_lidar_board, {},
+                                  {1e-4, 1e-3, 0}, 0.02);
       }
     }
     input.relative.push_back(

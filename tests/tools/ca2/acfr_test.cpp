@@ -170,8 +170,7 @@ TEST_F(AcfrSession, DisjointHalvesAgree) {
   const Calibration even = solve({"--views", "2,4,6,8,10,12,14,16,18,20"}, "even.yaml");
   const auto [metres, angle] = between(odd.transforms[0].T_parent_child, even.transforms[0].T_parent_child);
   std::printf("halves differ by %.1f mm, %.2f degrees\n", 1e3 * metres, angle);
-  // Each half gives itself 7 to 9 mm.
-  EXPECT_LT(metres, 0.015);
+  EXPECT_LT(metres, 0.010);
   EXPECT_LT(angle, 0.3);
 }
 
@@ -202,10 +201,10 @@ TEST_F(AcfrSession, RandomHalvesAgree) {
   std::sort(degree.begin(), degree.end());
   std::printf("20 random halves: median %.1f mm %.2f degrees, worst %.1f mm %.2f degrees\n", 1e3 * metres[10],
               degree[10], 1e3 * metres.back(), degree.back());
-  EXPECT_LT(metres[10], 0.011);
-  EXPECT_LT(degree[10], 0.3);
-  EXPECT_LT(metres.back(), 0.025);
-  EXPECT_LT(degree.back(), 0.5);
+  EXPECT_LT(metres[10], 0.008);
+  EXPECT_LT(degree[10], 0.25);
+  EXPECT_LT(metres.back(), 0.015);
+  EXPECT_LT(degree.back(), 0.4);
 }
 
 }  // namespace

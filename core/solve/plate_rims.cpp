@@ -1,0 +1,114 @@
+#include "core/solve/plate_rims.h"
+
+#include <limits>
+
+#include "core/solve/rim_doubts.h"
+
+namespace ca2 {
+
+PlateRims::PlateRims(const Board& board, const std::vector<ViewSights>& views,
+                     const std::vector<std::vector<int>>& chosen, std::size_t lidars)
+    : board_(board),
+      views_(views),
+      chosen_(chosen),
+      outlines_(views.size(), board.extent()),
+      noise_(lidars) {}
+
+bool PlateRims::any(std::span<const std::size_t> used) const {
+  for (const std::size_t v : used) {
+    for (std::size_t l = 0; l < noise_.size(); ++l) {
+      if (chosen_[v][l] >= 0 &&
+          !views_[v].lidars[l][static_cast<std::size_t>(chosen_[v][l])].crossings.empty())
+        return true;
+    }
+  }
+  return false;
+}
+
+std::optional<EdgeView> PlateRims::seen(const JointState& state, std::size_t view, std::size_t lidar) const {
+  if (chosen_[view][lidar] < 0) return std::nullopt;
+  const LidarSight& sight = views_[view].lidars[lidar][static_cast<std::size_t>(chosen_[view][lidar])];
+  if (sight.crossings.empty()) return std::nullopt;
+  Pose T_lidar_rim = state.T_ref_lidar[lidar].inverse() * state.T_ref_board[view];
+  T_lidar_rim.t += state.rim_depth * T_lidar_rim.R.col(2);
+  return EdgeView{sight.crossings, outlines_[view], T_lidar_rim};
+}
+
+std::vector<EdgeView> PlateRims::all_seen(const JointState& state, std::span<const std::size_t> used,
+                                          std::size_t lidar) const {
+  std::vector<EdgeView> list;
+  for (const std::size_t v : used) {
+    if (const auto view = seen(state, v, lidar)) list.push_back(*view);
+  }
+  return list;
+}
+
+void PlateRims::settle_half_turns(const JointState& state, std::span<const std::size_t> used) {
+  if (!board_.type->half_turn_ambiguous(board_) || board_.extent().center.isZero()) return;
+  for (const std::size_t v : used) {
+    double gain = 0;
+    for (std::size_t l = 0; l < noise_.size(); ++l) {
+      std::optional<EdgeView> view = seen(state, v, l);
+      if (!view) continue;
+      gain += edge_misfit(*view, state.dilation[l], noise_[l], slack_);
+      view->outline.center = -view->outline.center;
+      gain -= edge_misfit(*view, state.dilation[l], noise_[l], slack_);
+    }
+    if (gain > 0) outlines_[v].center = -outlines_[v].center;
+  }
+}
+
+void PlateRims::estimate_blur(const JointState& state, std::span<const std::size_t> used) {
+  for (std::size_t l = 0; l < noise_.size(); ++l) {
+    const std::vector<EdgeView> views = all_seen(state, used, l);
+    if (!views.empty()) noise_[l].blur = estimate_edge_blur(views, state.dilation[l], slack_);
+  }
+}
+
+void PlateRims::estimate_errors(const JointState& state, std::span<const std::size_t> used) {
+  for (std::size_t l = 0; l < noise_.size(); ++l) {
+    const std::vector<EdgeView> views = all_seen(state, used, l);
+    if (views.empty()) continue;
+    const RimErrors errors =
+        likeliest_errors(rim_residuals(views, state.dilation[l], noise_[l].blur, slack_));
+    noise_[l].shared = errors.shared;
+    noise_[l].sway = errors.sway;
+  }
+}
+
+std::vector<double> PlateRims::center_offsets(const JointState& state,
+                                              std::span<const std::size_t> used) const {
+  std::vector<double> offsets;
+  for (std::size_t l = 0; l < noise_.size(); ++l) {
+    const std::vector<EdgeView> views = all_seen(state, used, l);
+    offsets.push_back(views.empty() ? std::numeric_limits<double>::quiet_NaN()
+                                    : mean_center_offset(views, state.dilation[l], noise_[l], slack_));
+  }
+  return offsets;
+}
+
+double PlateRims::freedom_gain(const JointState& state, std::span<const std::size_t> used) const {
+  double sum = 0;
+  for (std::size_t l = 0; l < noise_.size(); ++l)
+    sum += ca2::freedom_gain(all_seen(state, used, l), state.dilation[l], noise_[l].blur, slack_);
+  return sum;
+}
+
+std::vector<double> PlateRims::lens_gains(const JointState& state, std::span<const std::size_t> used,
+                                          const RimFreedom& free, std::span<const double> radii) const {
+  std::vector<double> gains(noise_.size(), 0);
+  for (std::size_t l = 0; l < radii.size(); ++l) {
+    if (!(radii[l] > 0)) continue;
+    gains[l] = lens_gain(all_seen(state, used, l), state.dilation[l], noise_[l].blur, slack_, free, radii[l]);
+  }
+  return gains;
+}
+
+std::vector<EdgeSums> PlateRims::sums(const JointState& state, std::size_t view, std::size_t lidar) const {
+  const auto rim = seen(state, view, lidar);
+  if (!rim) return {};
+  return edge_sums(rim->crossings, rim->outline, rim->T_lidar_board, state.dilation[lidar], noise_[lidar],
+                   slack_);
+}
+
+}  // namespace ca2

@@ -1,0 +1,38 @@
+/// @file What is believed of rims and beams until the rims of many views contradict it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/features/sights.h"
+#include "core/solve/edge_noise.h"
+#include "core/solve/rim_residuals.h"
+
+namespace ca2 {
+
+/// A plate is as large as stated, is seen too large by an angle only, and its rims lie in the plane of its
+/// print. Real ones are some 20 mm thick, so that their rims lie behind the print by half of that, and are
+/// seen too large by half the width that beams have where they leave the LiDAR. Left open from the start
+/// this costs three views half of their accuracy.
+///
+/// How much more probable (natural logarithm of the ratio) rims are with these free. The LiDAR's pose and the
+/// dilation's angle are fitted to the rims either way. 0 where too few rims are seen to tell.
+double freedom_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack);
+/// The odds from which on it is believed, logarithm: a thousand to one.
+inline constexpr double convincing_freedom_gain = 6.9;
+/// And what is known of them then.
+inline constexpr RimFreedom rim_freedom{0.005, 0.01};
+
+/// The same for beams that begin in a lens `radius` [m] in front of the axis instead of where the points have
+/// them, with `free` as found. 0 also where they already begin there.
+double lens_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack,
+                 const RimFreedom& free, double radius);
+/// The manuals speak for the lens: what is more probable is believed. (Beams that do begin on the axis show
+/// it: e^50 to one against the lens, and more, with five simulated views of a VLP-16.)
+inline constexpr double convincing_lens_gain = 0;
+
+/// The views as LiDAR `lidar` would have seen them had its points been computed with that lens.
+std::vector<ViewSights> through_lens(std::vector<ViewSights> views, std::size_t lidar, double radius);
+
+}  // namespace ca2

@@ -1,0 +1,90 @@
+/// Rims of thick plates, seen by wide beams or through a lens: what the doubts make of them, and of those of
+/// which nothing need be doubted.
+#include "core/solve/rim_doubts.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/core/solve/rim_scan.h"
+
+namespace ca2 {
+namespace {
+
+constexpr double slack = 0.025;
+
+/// A plate held at `count` places, half a metre up and down, tilted either way, 1.2 to 3 m away.
+struct Holds {
+  std::vector<std::vector<EdgeCrossing>> crossings;
+  std::vector<EdgeView> views;
+
+  Holds(int count, RimScan how) {
+    std::mt19937_64 rng(11);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::vector<Pose> poses;
+    for (int i = 0; i < count; ++i) {
+      Pose T = plate_at(0.8 + 0.4 * unit(rng));
+      T.R = T.R * Eigen::AngleAxisd(0.5 * unit(rng), Eigen::Vector3d::UnitX()) *
+            Eigen::AngleAxisd(0.5 * unit(rng), Eigen::Vector3d::UnitY());
+      T.t = {2.1 + 0.9 * unit(rng), 0.3 * unit(rng), 0.4 * unit(rng)};
+      how.phase = 0.5 * unit(rng);
+      poses.push_back(T);
+      crossings.push_back(scan_rim(T, how));
+    }
+    for (std::size_t i = 0; i < poses.size(); ++i) views.push_back({crossings[i], test_plate, poses[i]});
+  }
+
+  double freedom() const { return freedom_gain(views, {how_wide, 0}, 0, slack); }
+  double lens() const { return lens_gain(views, {how_wide, 0}, 0, slack, {}, 0.04); }
+  static constexpr double how_wide = 0.001;  // rad
+};
+
+TEST(RimDoubts, ThinPlatesAreBelieved) {
+  const Holds holds(10, {.dilation = {0.001, 0}});
+  EXPECT_LT(holds.freedom(), 1);
+  EXPECT_LT(holds.lens(), -20);
+}
+
+TEST(RimDoubts, ThickPlatesAndWideBeamsAreNot) {
+  EXPECT_GT(Holds(10, {.dilation = {0.001, 0}, .depth = 0.008}).freedom(), convincing_freedom_gain);
+  EXPECT_GT(Holds(10, {.dilation = {0.001, 0.006}}).freedom(), convincing_freedom_gain);
+}
+
+TEST(RimDoubts, BeamsThatBeginInTheLensAreTold) {
+  EXPECT_GT(Holds(10, {.dilation = {0.001, 0}, .lens = 0.04}).lens(), 20);
+}
+
+TEST(RimDoubts, FewRimsTellNothing) {
+  EXPECT_EQ(Holds(2, {.dilation = {0.001, 0.006}, .depth = 0.008, .lens = 0.04}).freedom(), 0);
+  EXPECT_EQ(Holds(2, {.lens = 0.04}).lens(), 0);
+  EXPECT_EQ(Holds(0, {}).freedom(), 0);
+  EXPECT_EQ(Holds(0, {}).lens(), 0);
+}
+
+TEST(RimDoubts, BeamsThatAreKnownToBeginInTheLensAreNotDoubted) {
+  Holds holds(10, {.dilation = {0.001, 0}, .lens = 0.04});
+  for (auto& list : holds.crossings) {
+    for (EdgeCrossing& crossing : list) {
+      crossing.inside_height = -0.04f * crossing.inside.z() / crossing.inside.head<2>().norm();
+      crossing.outside_height = -0.04f * crossing.outside.z() / crossing.outside.head<2>().norm();
+    }
+  }
+  EXPECT_EQ(holds.lens(), 0);
+}
+
+TEST(RimDoubts, PointsMoveToWhereBeamsThroughTheLensHaveThem) {
+  ViewSights view;
+  view.lidars.resize(1);
+  LidarSight& sight = view.lidars[0].emplace_back();
+  sight.on_board.push_back({{3, 4, 2.5}});
+  sight.crossings.push_back({{0.6f, 0, 0.8f}, {0, 0.8f, -0.6f}});
+  const std::vector<ViewSights> moved = through_lens({view}, 0, 0.04);
+  const LidarSight& now = moved[0].lidars[0][0];
+  EXPECT_FLOAT_EQ(now.on_board[0].height, -0.02f);
+  EXPECT_FLOAT_EQ(now.on_board[0].point.z(), 2.48f);
+  EXPECT_FLOAT_EQ(now.crossings[0].inside_height, -0.04f * 0.8f / 0.6f);
+  EXPECT_FLOAT_EQ(now.crossings[0].outside_height, 0.04f * 0.6f / 0.8f);
+}
+
+}  // namespace
+}  // namespace ca2
