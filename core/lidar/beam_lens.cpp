@@ -7,9 +7,8 @@
 namespace ca2 {
 namespace {
 
-/// From the manuals' tables: offset over the tangent of the elevation, the same for all beams.
-constexpr std::array<std::pair<std::string_view, double>, 2> radii{
-    {{"VLP-16", 0.0418}, {"Puck-Hi-Res", 0.0418}}};
+/// From the manual's table: offset over the tangent of the elevation, the same for all beams to 0.1 mm.
+constexpr std::array<std::pair<std::string_view, double>, 1> radii{{{"VLP-16", 0.0418}}};
 
 }  // namespace
 

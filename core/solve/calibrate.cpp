@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "ca2_version.h"
@@ -250,6 +251,29 @@ class JointReport {
   const CalibrateOptions& options_;
 };
 
+struct LensedAnswer {
+  JointAnswer answer;
+  std::map<std::size_t, double> lenses;  ///< by LiDAR, m: those that the rims spoke for
+};
+
+/// solve_joint; and where the rims say that LiDARs' beams begin in their lenses, with points of such beams.
+LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& cameras,
+                               const std::vector<ViewSights>& views, const RigSeed& seed,
+                               JointOptions options) {
+  for (const auto& [name, lidar] : rig.lidars) options.lens_radius.push_back(beam_lens_radius(lidar.model));
+  const int lidars = static_cast<int>(rig.lidars.size());
+  LensedAnswer found{solve_joint(rig.board, cameras, lidars, views, seed, options), {}};
+  for (std::size_t l = 0; l < found.answer.lens_gain.size(); ++l) {
+    if (found.answer.lens_gain[l] > convincing_lens_gain) found.lenses[l] = options.lens_radius[l];
+  }
+  if (found.lenses.empty()) return found;
+  std::vector<ViewSights> corrected = views;
+  for (const auto& [l, radius] : found.lenses) corrected = through_lens(std::move(corrected), l, radius);
+  options.lens_radius.clear();
+  found.answer = solve_joint(rig.board, cameras, lidars, corrected, seed, options);
+  return found;
+}
+
 // --- The published methods
 // --------------------------------------------------------------------------------------
 
@@ -399,27 +423,11 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
     joint.prior_intrinsics.push_back(sigma);
     joint.stated.push_back(own == options.estimated.end());
   }
-  for (const auto& [name, lidar] : rig.lidars) joint.lens_radius.push_back(beam_lens_radius(lidar.model));
-  const int lidars = static_cast<int>(rig.lidars.size());
-  JointAnswer answer = solve_joint(rig.board, cameras, lidars, views, *seed, joint);
-  std::vector<double> lenses(rig.lidars.size(), 0);
-  for (std::size_t l = 0; l < answer.lens_gain.size(); ++l) {
-    if (answer.lens_gain[l] > convincing_lens_gain) lenses[l] = joint.lens_radius[l];
-  }
-  if (std::any_of(lenses.begin(), lenses.end(), [](double radius) { return radius > 0; })) {
-    std::vector<ViewSights> corrected = views;
-    for (std::size_t l = 0; l < lenses.size(); ++l) {
-      if (lenses[l] > 0) corrected = through_lens(std::move(corrected), l, lenses[l]);
-    }
-    joint.lens_radius.clear();
-    answer = solve_joint(rig.board, cameras, lidars, corrected, *seed, joint);
-  }
+  const auto [answer, lenses] = solve_with_lenses(rig, cameras, views, *seed, std::move(joint));
   if (options.stop.stop_requested()) return stopped();
   Result<Calibration> calibration = JointReport(rig, names, views, answer, options).make();
   if (!calibration) return calibration;
-  for (std::size_t l = 0; l < lenses.size(); ++l) {
-    if (lenses[l] > 0) calibration->notes.push_back(lens_note(names.lidars[l], lenses[l]));
-  }
+  for (const auto& [l, radius] : lenses) calibration->notes.push_back(lens_note(names.lidars[l], radius));
   return calibration;
 }
 

@@ -15,9 +15,6 @@ namespace ca2 {
 /// 2 to 6 mrad wide, and a plate answers from any part of one. Standard deviation, rad.
 inline constexpr double dilation_sigma = 0.004;
 
-/// Boards are up to some 20 mm thick; of how far behind the print their rims lie, m.
-inline constexpr double rim_depth_sigma = 0.01;
-
 /// By how much a LiDAR sees plates too large: their rims lie outside of the plates' sides.
 struct Dilation {
   double angle = 0;   ///< rad

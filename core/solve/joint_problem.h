@@ -48,7 +48,7 @@ struct JointInput {
   double prior_bias = 0;                  ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
   double prior_dilation = 0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it
-  RimFreedom rim_freedom;
+  RimFreedom rim_freedom;     ///< all held, unless rims said otherwise
   std::vector<double> edge_sway;     ///< by LiDAR: EdgeNoise::sway, m
   std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
   /// Takes the place of the priors on intrinsics, stretch and range biases that are not held: deviations from

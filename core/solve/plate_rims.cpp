@@ -17,21 +17,24 @@ PlateRims::PlateRims(const Board& board, const std::vector<ViewSights>& views,
 bool PlateRims::any(std::span<const std::size_t> used) const {
   for (const std::size_t v : used) {
     for (std::size_t l = 0; l < noise_.size(); ++l) {
-      if (chosen_[v][l] >= 0 &&
-          !views_[v].lidars[l][static_cast<std::size_t>(chosen_[v][l])].crossings.empty())
-        return true;
+      if (!crossings(v, l).empty()) return true;
     }
   }
   return false;
 }
 
+std::span<const EdgeCrossing> PlateRims::crossings(std::size_t view, std::size_t lidar) const {
+  const int hypothesis = chosen_[view][lidar];
+  if (hypothesis < 0) return {};
+  return views_[view].lidars[lidar][static_cast<std::size_t>(hypothesis)].crossings;
+}
+
 std::optional<EdgeView> PlateRims::seen(const JointState& state, std::size_t view, std::size_t lidar) const {
-  if (chosen_[view][lidar] < 0) return std::nullopt;
-  const LidarSight& sight = views_[view].lidars[lidar][static_cast<std::size_t>(chosen_[view][lidar])];
-  if (sight.crossings.empty()) return std::nullopt;
+  const std::span<const EdgeCrossing> list = crossings(view, lidar);
+  if (list.empty()) return std::nullopt;
   Pose T_lidar_rim = state.T_ref_lidar[lidar].inverse() * state.T_ref_board[view];
   T_lidar_rim.t += state.rim_depth * T_lidar_rim.R.col(2);
-  return EdgeView{sight.crossings, outlines_[view], T_lidar_rim};
+  return EdgeView{list, outlines_[view], T_lidar_rim};
 }
 
 std::vector<EdgeView> PlateRims::all_seen(const JointState& state, std::span<const std::size_t> used,

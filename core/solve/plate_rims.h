@@ -50,6 +50,7 @@ class PlateRims {
   std::vector<EdgeSums> sums(const JointState& state, std::size_t view, std::size_t lidar) const;
 
  private:
+  std::span<const EdgeCrossing> crossings(std::size_t view, std::size_t lidar) const;
   std::optional<EdgeView> seen(const JointState& state, std::size_t view, std::size_t lidar) const;
   std::vector<EdgeView> all_seen(const JointState& state, std::span<const std::size_t> used,
                                  std::size_t lidar) const;

@@ -14,7 +14,7 @@ namespace ca2 {
 /// A plate is as large as stated, is seen too large by an angle only, and its rims lie in the plane of its
 /// print. Real ones are some 20 mm thick, so that their rims lie behind the print by half of that, and are
 /// seen too large by half the width that beams have where they leave the LiDAR. Left open from the start
-/// this costs three views half of their accuracy.
+/// this costs three views a third of their accuracy.
 ///
 /// How much more probable (natural logarithm of the ratio) rims are with these free. The LiDAR's pose and the
 /// dilation's angle are fitted to the rims either way. 0 where too few rims are seen to tell.

@@ -52,8 +52,8 @@ Result<StereoPool> simulate(const ScenarioFile& file, std::mt19937_64& rng) {
 }
 
 /// The session's truth where it is simulated; else what its rig says; else nothing.
-std::optional<Pose> stated_baseline(const Session& session, const std::string& left, const std::string& right,
-                                    std::string& source) {
+Result<std::optional<Pose>> stated_baseline(const Session& session, const std::string& left,
+                                            const std::string& right, std::string& source) {
   std::map<std::string, Pose> to_left;  // T_left_x of what is tied to the left camera by one transform
   const auto tie = [&](const std::string& parent, const std::string& child, const Pose& T_parent_child) {
     if (parent == left) to_left.emplace(child, T_parent_child);
@@ -61,7 +61,7 @@ std::optional<Pose> stated_baseline(const Session& session, const std::string& l
   };
   if (const auto file = session.directory / "truth.yaml"; std::filesystem::exists(file)) {
     const auto truth = read_true_transforms(file);
-    if (!truth) return std::nullopt;
+    if (!truth) return fail(truth.error());
     for (const TrueTransform& t : *truth) tie(t.parent, t.child, t.T_parent_child);
     for (const TrueTransform& t : *truth) {
       if (t.parent == right && to_left.contains(t.child))
@@ -73,7 +73,8 @@ std::optional<Pose> stated_baseline(const Session& session, const std::string& l
     source = "session.yaml";
   }
   const auto known = to_left.find(right);
-  return known == to_left.end() ? std::nullopt : std::optional(known->second);
+  if (known == to_left.end()) return std::nullopt;
+  return known->second;
 }
 
 /// `source`: where the baseline is known from.
@@ -90,8 +91,9 @@ Result<StereoPool> read_pool(const std::filesystem::path& folder, std::string& s
   const auto& cameras = pool.rig.cameras;
   const auto known =
       stated_baseline(*session, cameras.begin()->first, std::next(cameras.begin())->first, source);
-  if (!known) source = "all of these views at once";
-  const Result<Pose> baseline = known ? Result<Pose>(*known) : baseline_of_all(pool);
+  if (!known) return fail(known.error());
+  if (!*known) source = "all of these views at once";
+  const Result<Pose> baseline = *known ? Result<Pose>(**known) : baseline_of_all(pool);
   if (!baseline) return fail(baseline.error());
   pool.T_left_right = *baseline;
   return pool;

@@ -28,7 +28,7 @@ struct StereoPool {
 /// its sensors are is forgotten. ErrorCode::config when there are fewer sensors.
 Result<void> keep_stereo(StereoPool& pool);
 
-/// Mean and spread of one method's errors.
+/// One method's errors.
 struct StereoErrors {
   std::vector<double> translation;  ///< m, by subset
   std::vector<double> rotation;     ///< rad

@@ -13,6 +13,28 @@
 namespace ca2 {
 namespace {
 
+/// Errors of corners, and what the bound and their own covariances allow, summed up.
+class Errors {
+ public:
+  /// The error, px.
+  Eigen::Vector2d add(const Corner& corner, const Eigen::Vector2d& truth, const Eigen::Matrix2d& allowed) {
+    const Eigen::Vector2d e = corner.pixel - truth;
+    squares_ += e.squaredNorm();
+    bound_ += allowed.trace();
+    nees_ += e.dot(corner.covariance.inverse() * e) / 2;
+    ++count_;
+    return e;
+  }
+  double rms() const { return std::sqrt(squares_ / count_); }
+  double bound_rms() const { return std::sqrt(bound_ / count_); }
+  double ratio() const { return std::sqrt(squares_ / bound_); }
+  double mean_nees() const { return nees_ / count_; }  ///< by freedom
+
+ private:
+  double squares_ = 0, bound_ = 0, nees_ = 0;
+  int count_ = 0;
+};
+
 TEST(EdgeProfile, IsTheErrorFunction) {
   for (double z = -6; z <= 6; z += 0.0137) {
     const auto e = EdgeProfile::at(z);
@@ -138,8 +160,8 @@ TEST(RefineCorners, ReachTheBound) {
       test::RenderOptions options;
       options.sigma = sigma;
       std::mt19937_64 random(11);
-      double error = 0, bound = 0, nees = 0, worst_bias = 0;
-      int count = 0;
+      Errors errors;
+      double worst_bias = 0;
       for (const double tilt : {0.2, 0.8}) {
         const Pose pose = test::board_pose(c.bearing, c.distance, tilt, 1.2, 0.5);
         const auto truth = test::true_corners(board, c.camera, pose);
@@ -153,26 +175,21 @@ TEST(RefineCorners, ReachTheBound) {
           ASSERT_EQ(corners.size(), truth.size());
           for (const Corner& corner : corners) {
             const auto id = static_cast<std::size_t>(corner.id);
-            const Eigen::Vector2d e = corner.pixel - *truth[id];
-            error += e.squaredNorm();
-            bound += allowed[id].trace();
-            nees += e.dot(corner.covariance.inverse() * e) / 2;
-            mean[id] += e / pictures;
-            ++count;
+            mean[id] += errors.add(corner, *truth[id], allowed[id]) / pictures;
           }
         }
         double bias = 0;
         for (const Eigen::Vector2d& m : mean) bias += m.squaredNorm() / static_cast<double>(mean.size());
         worst_bias = std::max(worst_bias, std::sqrt(bias));
       }
-      const double ratio = std::sqrt(error / bound);
+      const double ratio = errors.ratio();
       std::printf(
           "%s, blur %.1f: error %.4f px, bound %.4f px, ratio %.3f, NEES/2 %.2f, rms of means %.4f px\n",
-          c.name, sigma, std::sqrt(error / count), std::sqrt(bound / count), ratio, nees / count, worst_bias);
+          c.name, sigma, errors.rms(), errors.bound_rms(), ratio, errors.mean_nees(), worst_bias);
       EXPECT_LT(ratio, 1.2) << c.name << " " << sigma;
       EXPECT_GT(ratio, 0.9) << "better than the bound: the bound is wrong";
-      EXPECT_LT(nees / count, 1.25);
-      EXPECT_GT(nees / count, 0.5);
+      EXPECT_LT(errors.mean_nees(), 1.25);
+      EXPECT_GT(errors.mean_nees(), 0.5);
     }
   }
 }
@@ -188,8 +205,7 @@ TEST(RefineCorners, SharpEdgesAlongThePixelsDoNotBend) {
   const double noise = std::sqrt(options.noise * options.noise + 1 / 12.0);
   for (const double square : {15.0, 22.0, 30.0}) {
     std::mt19937_64 random(3);
-    double error = 0, bound = 0, nees = 0;
-    int count = 0;
+    Errors errors;
     for (const double roll : {0.002, 0.009, 0.02}) {
       const Pose pose = test::board_pose({0.02, -0.03, 1}, 1250 * board.square / square, 0.03, 0.7, roll);
       const auto truth = test::true_corners(board, camera, pose);
@@ -200,19 +216,15 @@ TEST(RefineCorners, SharpEdgesAlongThePixelsDoNotBend) {
         ASSERT_EQ(corners.size(), truth.size());
         for (const Corner& corner : corners) {
           const auto id = static_cast<std::size_t>(corner.id);
-          const Eigen::Vector2d e = corner.pixel - *truth[id];
-          error += e.squaredNorm();
-          bound += allowed[id].trace();
-          nees += e.dot(corner.covariance.inverse() * e) / 2;
-          ++count;
+          errors.add(corner, *truth[id], allowed[id]);
         }
       }
     }
-    const double ratio = std::sqrt(error / bound);
-    std::printf("%.0f px: error %.4f px, ratio %.3f, NEES/2 %.2f\n", square, std::sqrt(error / count), ratio,
-                nees / count);
+    const double ratio = errors.ratio();
+    std::printf("%.0f px: error %.4f px, ratio %.3f, NEES/2 %.2f\n", square, errors.rms(), ratio,
+                errors.mean_nees());
     EXPECT_LT(ratio, 1.2) << square;
-    EXPECT_LT(nees / count, 1.1) << square;
+    EXPECT_LT(errors.mean_nees(), 1.1) << square;
   }
 }
 
