@@ -48,7 +48,8 @@ CommandBody setup_bench(CLI::App& app) {
   app.footer(footer);
   app.add_option("name", options->name, "Which benchmark")->required()->check(CLI::IsMember(names));
   app.add_option("--data", options->bench.data,
-                 "Directory with recordings of real sensors, to measure on too");
+                 "Directory to measure on: with scenarios (without it config/scenarios here, or those "
+                 "installed), a session, recordings");
   app.add_option("--repeats", options->bench.repeats,
                  "How often each measurement is made (the median counts)")
       ->check(CLI::Range(1, 1000));

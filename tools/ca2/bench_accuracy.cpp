@@ -8,6 +8,7 @@
 #include "tools/ca2/bench_accuracy_plot.h"
 #include "tools/ca2/bench_accuracy_times.h"
 #include "tools/ca2/bench_accuracy_trials.h"
+#include "tools/ca2/bench_scenarios.h"
 #include "tools/ca2/progress.h"
 
 namespace ca2 {
@@ -94,18 +95,13 @@ void print_row(AccuracyCell& cell) {
 }  // namespace
 
 Result<int> bench_accuracy(const BenchOptions& options) {
-  // Of the source tree, unless said otherwise.
-  const std::filesystem::path folder = options.data.empty() ? "config/scenarios" : options.data;
-  std::vector<ScenarioFile> files;
-  for (const char* name : {"paper", "os0_t265", "os0_manta", "vlp16_blackfly_a3"}) {
-    Result<ScenarioFile> file = read_scenario(folder / (std::string(name) + ".yaml"));
-    if (!file) return fail(file.error());
-    files.push_back(*std::move(file));
-  }
-  std::vector<AccuracyExperiment> experiments = paper_experiments(files[0], options.full);
+  const Result<std::vector<ScenarioFile>> files =
+      bench_scenarios(options.data, {"paper", "os0_t265", "os0_manta", "vlp16_blackfly_a3"});
+  if (!files) return fail(files.error());
+  std::vector<AccuracyExperiment> experiments = paper_experiments(files->front(), options.full);
   for (const bool all : {false, true}) {
-    for (std::size_t i = 1; i < files.size(); ++i)
-      experiments.push_back(a3_experiment(files[i], all, options.full));
+    for (std::size_t i = 1; i < files->size(); ++i)
+      experiments.push_back(a3_experiment((*files)[i], all, options.full));
   }
   const int trials = options.trials > 0 ? options.trials : options.full ? 100 : 12;
   if (!options.json) print_header(trials);
@@ -131,7 +127,7 @@ Result<int> bench_accuracy(const BenchOptions& options) {
   const int repeats = std::min(options.repeats, 5);
   if (!options.json && options.only.empty())
     std::printf("\nCPU time of one calibration, features extracted, one thread, median of %d\n", repeats);
-  for (const ScenarioFile& file : files) {
+  for (const ScenarioFile& file : *files) {
     if (!options.only.empty()) break;
     for (const int count : {39, 100, 1000}) {
       if (count == 1000 && !options.full) continue;

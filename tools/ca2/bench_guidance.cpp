@@ -10,6 +10,7 @@
 #include "core/solve/calibrate.h"
 #include "core/types/text.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_scenarios.h"
 #include "tools/ca2/progress.h"
 #include "tools/sim/calibration_trials.h"
 #include "tools/sim/feature_sights.h"
@@ -194,8 +195,9 @@ Result<nlohmann::json> compare(const ScenarioFile& file, const SigmaTarget& targ
 }  // namespace
 
 Result<int> bench_guidance(const BenchOptions& options) {
-  // Of the source tree, unless said otherwise.
-  const std::filesystem::path folder = options.data.empty() ? "config/scenarios" : options.data;
+  Result<std::vector<ScenarioFile>> files = bench_scenarios(
+      options.data, {"os0_manta", "os0_t265", "vlp16_blackfly_a3", "vlp16_blackfly"}, options.only);
+  if (!files) return fail(files.error());
   const int trials = options.trials > 0 ? options.trials : 21;
   nlohmann::json rows = nlohmann::json::array();
   if (!options.json) {
@@ -206,14 +208,11 @@ Result<int> bench_guidance(const BenchOptions& options) {
         "error\n",
         trials, "rig", "mm", "mrad", "as advised", "at random");
   }
-  for (const char* name : {"os0_manta", "os0_t265", "vlp16_blackfly_a3", "vlp16_blackfly"}) {
-    if (std::string(name).find(options.only) == std::string::npos) continue;
-    Result<ScenarioFile> file = read_scenario(folder / (std::string(name) + ".yaml"));
-    if (!file) return fail(file.error());
-    for (auto& [camera_name, camera] : file->scenario.cameras)
+  for (ScenarioFile& file : *files) {
+    for (auto& [camera_name, camera] : file.scenario.cameras)
       camera.noise.corner_sigma = refined_corner * camera.noise.sigma;
     for (const SigmaTarget& target : {daemons, finer}) {
-      auto row = compare(*file, target, trials, options);
+      auto row = compare(file, target, trials, options);
       if (!row) return fail(row.error());
       rows.push_back(std::move(*row));
     }

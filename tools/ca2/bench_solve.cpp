@@ -7,6 +7,7 @@
 
 #include "core/solve/calibrate.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_scenarios.h"
 #include "tools/ca2/bench_timing.h"
 #include "tools/sim/calibration_trials.h"
 #include "tools/sim/feature_sights.h"
@@ -79,6 +80,9 @@ Result<nlohmann::json> measure(const ScenarioFile& file, const BenchOptions& opt
 }  // namespace
 
 Result<int> bench_solve(const BenchOptions& options) {
+  const Result<std::vector<ScenarioFile>> files =
+      bench_scenarios(options.data, {"paper", "os0_t265", "os0_manta", "vlp16_blackfly"}, options.only);
+  if (!files) return fail(files.error());
   if (!options.json) {
     std::printf(
         "One whole calibration with covariance and leave-one-out, features extracted, one thread: CPU time, "
@@ -87,12 +91,8 @@ Result<int> bench_solve(const BenchOptions& options) {
         "ms", "ms");
   }
   nlohmann::json rows = nlohmann::json::array();
-  for (const char* name : {"paper", "os0_t265", "os0_manta", "vlp16_blackfly"}) {
-    if (!options.only.empty() && std::string(name).find(options.only) == std::string::npos) continue;
-    const std::filesystem::path folder = options.data.empty() ? "config/scenarios" : options.data;
-    const Result<ScenarioFile> file = read_scenario(folder / (std::string(name) + ".yaml"));
-    if (!file) return fail(file.error());
-    const Result<nlohmann::json> one = measure(*file, options);
+  for (const ScenarioFile& file : *files) {
+    const Result<nlohmann::json> one = measure(file, options);
     if (!one) return fail(one.error());
     rows.insert(rows.end(), one->begin(), one->end());
   }

@@ -9,6 +9,7 @@
 #include "core/features/extract.h"
 #include "core/types/text.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_scenarios.h"
 #include "tools/ca2/bench_stereo_trials.h"
 #include "tools/ca2/progress.h"
 #include "tools/sim/calibration_trials.h"
@@ -160,7 +161,6 @@ Result<std::vector<StereoCell>> run(const std::string& name, int trials, std::mt
 Result<int> bench_stereo(const BenchOptions& options) {
   const int trials = options.trials > 0 ? options.trials : options.full ? 100 : 12;
   nlohmann::json rows = nlohmann::json::array();
-  if (!options.json) print_header();
   const auto tell = [&](const std::string& name, const std::vector<StereoCell>& cells) {
     for (const StereoCell& cell : cells) {
       if (cell.subsets == 0) continue;
@@ -173,6 +173,7 @@ Result<int> bench_stereo(const BenchOptions& options) {
     std::string source;
     const Result<StereoPool> pool = read_pool(options.data, source);
     if (!pool) return fail(pool.error());
+    if (!options.json) print_header();
     const std::string name = std::filesystem::weakly_canonical(options.data).filename().string();
     const auto cells = run(name, trials, rng, [&] { return *pool; });
     if (!cells) return fail(cells.error());
@@ -182,15 +183,14 @@ Result<int> bench_stereo(const BenchOptions& options) {
                   pool->views.size(), source.c_str(), 1e3 * pool->T_left_right.t.norm());
     }
   } else {
-    // Of the source tree, unless said otherwise.
-    const std::filesystem::path folder = options.data.empty() ? "config/scenarios" : options.data;
-    for (const std::string name : {"os0_t265", "os0_manta"}) {
-      if (name.find(options.only) == std::string::npos) continue;
-      const Result<ScenarioFile> file = read_scenario(folder / (name + ".yaml"));
-      if (!file) return fail(file.error());
+    const auto files = bench_scenarios(options.data, {"os0_t265", "os0_manta"}, options.only);
+    if (!files) return fail(files.error());
+    if (!options.json) print_header();
+    for (const ScenarioFile& file : *files) {
+      const std::string& name = file.scenario.name;
       // The same draws whatever else is run beside it.
       rng.seed(options.seed);
-      const auto cells = run(name, trials, rng, [&] { return simulate(*file, rng); });
+      const auto cells = run(name, trials, rng, [&] { return simulate(file, rng); });
       if (!cells) return fail(cells.error());
       tell(name, *cells);
     }
