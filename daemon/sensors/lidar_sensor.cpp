@@ -22,7 +22,7 @@ class LidarSensor : public SensorDevice {
 
   /// `asks`: the file of its metadata is what the sensor answers.
   void add(int index, const std::string& name, const RigLidar& lidar, const std::string& host, bool asks) {
-    lidars_.push_back({index, name, lidar, host, asks, nullptr});
+    lidars_.push_back({index, name, lidar, host, asks, nullptr, 0});
   }
 
   Result<void> open() override {
@@ -65,6 +65,10 @@ class LidarSensor : public SensorDevice {
   }
 
   void close() override {
+    for (Lidar& lidar : lidars_) {
+      lidar.lost_before += lost(lidar);
+      lidar.stream.reset();
+    }
     const std::lock_guard lock(mutex_);
     source_.reset();
   }
@@ -79,12 +83,11 @@ class LidarSensor : public SensorDevice {
     std::map<std::string, SensorHealth> all;
     for (const Lidar& lidar : lidars_) {
       SensorHealth& health = all[lidar.name];
+      health.lost = lidar.lost_before + lost(lidar);
       if (!lidar.stream) continue;
       health.device = lidar.stream->model() + formatted(" on UDP port %d", address_.port) +
                       (lidar.host.empty() ? "" : " from " + lidar.host);
       health.clock_sigma = lidar.stream->clock_sigma();
-      health.lost = lidar.stream->lost();
-      if (source_) health.lost += source_->counters().kernel_dropped;
     }
     return all;
   }
@@ -95,9 +98,15 @@ class LidarSensor : public SensorDevice {
     std::string name;
     RigLidar rig;
     std::string host;
-    bool asks = false;  ///< for its metadata
-    std::unique_ptr<LidarStream> stream;
+    bool asks = false;                    ///< for its metadata
+    std::unique_ptr<LidarStream> stream;  ///< while it is open
+    std::uint64_t lost_before = 0;        ///< packets, until it was closed
   };
+
+  /// Packets since it was opened.
+  std::uint64_t lost(const Lidar& lidar) const {
+    return (lidar.stream ? lidar.stream->lost() : 0) + (source_ ? source_->counters().kernel_dropped : 0);
+  }
 
   LidarAddress address_;
   std::filesystem::path file_;

@@ -55,7 +55,8 @@ struct CameraControl {
   std::string problem;  ///< why the last change did not take; empty when it did
 };
 
-/// Counts since opening; every frame that is not delivered is in one of them.
+/// Counts since opening. Every frame that should have been delivered and was not is in one of them: none of
+/// before a start, of after a stop, or that is left out as the settings say.
 struct CameraCounters {
   std::uint64_t frames = 0;      ///< delivered
   std::uint64_t incomplete = 0;  ///< damaged or partly lost on the way: never used

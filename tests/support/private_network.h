@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstring>
 #include <string>
 
@@ -25,7 +26,7 @@ inline bool enter_private_network(int addresses) {
     ifreq request{};
     // The first is the interface's, the others are its aliases'.
     const std::string name = i == 1 ? "lo" : "lo:" + std::to_string(i);
-    std::strncpy(request.ifr_name, name.c_str(), sizeof request.ifr_name - 1);
+    std::memcpy(request.ifr_name, name.c_str(), std::min(name.size(), sizeof request.ifr_name - 1));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = ::htonl(INADDR_LOOPBACK - 1 + static_cast<unsigned>(i));

@@ -46,7 +46,7 @@ class AravisStream {
   bool control_lost() const;
 
   struct Statistics {
-    std::uint64_t underruns = 0;  ///< pictures that found no buffer
+    std::uint64_t underruns = 0;  ///< that found no buffer: packets over Ethernet, pictures over USB
     std::uint64_t resent = 0;     ///< packets
   };
   Statistics statistics() const;

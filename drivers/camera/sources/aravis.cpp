@@ -90,12 +90,14 @@ class AravisCamera : public CameraSource {
     const Features features(state_->device.get());
     if (auto started = features.execute("AcquisitionStart"); !started) return started;
     {
-      const std::lock_guard counters(counters_mutex_);
+      const std::lock_guard counters(stream_mutex_);
       stream_ = std::move(*stream);
     }
     state_->refresh(features);
     watched_rate_ = -1;
     count_ = {};
+    damaged_ = 0;
+    underruns_ = 0;
     return {};
   }
 
@@ -106,8 +108,8 @@ class AravisCamera : public CameraSource {
       // A camera that does not answer any more is found out by next().
       static_cast<void>(Features(state_->device.get()).execute("AcquisitionStop"));
     }
-    const std::lock_guard counters(counters_mutex_);
-    before_ = counted();
+    const std::lock_guard counters(stream_mutex_);
+    resent_before_ += stream_->statistics().resent;
     stream_.reset();
   }
 
@@ -152,12 +154,18 @@ class AravisCamera : public CameraSource {
   }
 
   CameraCounters counters() const override {
-    const std::lock_guard lock(counters_mutex_);
-    return counted();
+    CameraCounters counters;
+    counters.frames = frames_;
+    counters.incomplete = incomplete_;
+    counters.missed = missed_;
+    counters.overrun = overrun_;
+    const std::lock_guard lock(stream_mutex_);
+    counters.resent = resent_before_ + (stream_ ? stream_->statistics().resent : 0);
+    return counters;
   }
 
   std::vector<std::string> warnings() const override {
-    const std::lock_guard lock(counters_mutex_);
+    const std::lock_guard lock(stream_mutex_);
     return stream_ ? stream_->warnings() : std::vector<std::string>();
   }
 
@@ -218,11 +226,11 @@ class AravisCamera : public CameraSource {
 
   std::optional<CameraFrame> frame_of(ArvBuffer* buffer) {
     const std::uint64_t id = arv_buffer_get_frame_id(buffer);
-    missing_ += count_.missing_before(id);
     RawPicture raw;
     std::size_t size = 0;
     Result<Image> image = fail(ErrorCode::data, "", "incomplete");
     if (arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS) {
+      count_missing_before(id);
       raw.format = pixel_format_of_pfnc(arv_buffer_get_image_pixel_format(buffer));
       raw.width = arv_buffer_get_image_width(buffer);
       raw.height = arv_buffer_get_image_height(buffer);
@@ -230,6 +238,8 @@ class AravisCamera : public CameraSource {
       raw.data = {static_cast<const std::uint8_t*>(data), size};
       raw.memory = &memory_;
       if (raw.format) image = to_image(raw, settings_.kind);
+    } else {
+      ++damaged_;
     }
     if (!image) {
       ++incomplete_;
@@ -251,20 +261,16 @@ class AravisCamera : public CameraSource {
     return frame;
   }
 
-  /// With `counters_mutex_` held.
-  CameraCounters counted() const {
-    CameraCounters counters = before_;
-    counters.frames = frames_;
-    counters.incomplete = incomplete_;
-    if (stream_) {
-      const auto statistics = stream_->statistics();
-      counters.overrun += statistics.underruns;
-      counters.resent += statistics.resent;
-    }
-    // What had no buffer is missing in the camera's count too.
-    const std::uint64_t missing = missing_;
-    counters.missed = missing > counters.overrun ? missing - counters.overrun : 0;
-    return counters;
+  /// Before a whole picture. Only these are asked for their number: one whose first packet did not come has
+  /// that of the picture that was in its buffer before.
+  void count_missing_before(std::uint64_t id) {
+    const std::uint64_t gap = count_.missing_before(id);
+    // Those that came damaged are in the gap, and counted.
+    const std::uint64_t missing = gap - std::min(gap, std::exchange(damaged_, 0));
+    if (missing == 0) return;
+    // Aravis counts every packet that finds no buffer: it only says that there were some.
+    const std::uint64_t underruns = stream_->statistics().underruns;
+    (std::exchange(underruns_, underruns) == underruns ? missed_ : overrun_) += missing;
   }
 
   /// A camera that does not answer keeps who closes it waiting for 10 s (stop, control and heartbeat time out
@@ -292,13 +298,15 @@ class AravisCamera : public CameraSource {
   SharedPool<Image> pool_;
   std::vector<std::uint8_t> memory_;  ///< of the next picture
   double watched_rate_ = -1;
-  FrameCount count_;
+  FrameCount count_;             ///< of whole pictures
+  std::uint64_t damaged_ = 0;    ///< pictures since the last whole one
+  std::uint64_t underruns_ = 0;  ///< Aravis's count at the last gap
   CameraClock clock_;
   std::string lost_;  ///< why; empty: it is there
-  std::atomic<std::uint64_t> frames_{0}, incomplete_{0}, missing_{0};
-  mutable std::mutex counters_mutex_;  ///< of the two below, while they change
+  std::atomic<std::uint64_t> frames_{0}, incomplete_{0}, missed_{0}, overrun_{0};
+  mutable std::mutex stream_mutex_;  ///< of the two below, while they change
   std::unique_ptr<AravisStream> stream_;
-  CameraCounters before_;  ///< of streams that are over
+  std::uint64_t resent_before_ = 0;  ///< packets, in streams that are over
 };
 
 Result<std::unique_ptr<CameraSource>> open(OptionReader& options) {

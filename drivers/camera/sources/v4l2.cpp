@@ -145,8 +145,8 @@ class V4l2Camera : public CameraSource {
       } else if (code == EAGAIN && hung_up_) {
         failed("wait for pictures", ENODEV);
       } else if (code != EAGAIN) {
-        ++incomplete_;
         failed("read a picture", code);
+        incomplete_ += lost_.empty();  // who is gone has sent none
       } else if (const auto now = Clock::now(); now >= *watch_.deadline()) {
         const auto silence = watch_.silence(now);
         lost_ = silence ? formatted("no picture for %.1f s", std::chrono::duration<double>(*silence).count())
@@ -181,15 +181,17 @@ class V4l2Camera : public CameraSource {
 
   std::optional<CameraFrame> frame_of(const V4l2Buffers::Filled& filled) {
     const v4l2_buffer& buffer = filled.buffer;
-    if (last_sequence_) {
+    if (last_sequence_ && to_skip_ == 0) {
       // 32 bits that wrap around; a stream that began anew is no gap.
       const std::uint32_t step = buffer.sequence - *last_sequence_;
       if (step > 1 && step < 1'000'000) missed_ += step - 1;
     }
     last_sequence_ = buffer.sequence;
-    const bool damaged = buffer.flags & V4L2_BUF_FLAG_ERROR || filled.data.empty();
-    if (damaged || to_skip_ > 0) {
-      to_skip_ -= to_skip_ > 0;
+    if (to_skip_ > 0) {  // as was asked for: no loss
+      --to_skip_;
+      return std::nullopt;
+    }
+    if (buffer.flags & V4L2_BUF_FLAG_ERROR || filled.data.empty()) {
       ++incomplete_;
       return std::nullopt;
     }

@@ -150,6 +150,57 @@ TEST_F(Gige, LostPacketsMakeIncompletePicturesThatAreCountedAndNeverShown) {
   EXPECT_GT(counters.frames, counters.incomplete / 2);
 }
 
+/// Delivered pictures from the first one on, and what the camera's own numbers say there should have been.
+struct Tally {
+  std::uint64_t begin = 0;  ///< lost until the first one
+  std::uint64_t due = 0, delivered = 0;
+  std::optional<std::uint64_t> last;
+
+  static std::uint64_t lost(const CameraSource& camera) {
+    const CameraCounters counters = camera.counters();
+    return counters.incomplete + counters.missed + counters.overrun;
+  }
+  void add(const CameraSource& camera, const CameraFrame& frame) {
+    if (!last) begin = lost(camera);
+    // The camera leaves 0 out when its count wraps around.
+    due += last ? (frame.sequence + 65535 - *last) % 65535 : 1;
+    ++delivered;
+    last = frame.sequence;
+  }
+};
+
+TEST_F(Gige, EveryPictureThatIsNotDeliveredIsCountedOnce) {
+  // Three packets of data in each: every tenth picture comes without its first packet, which has its number.
+  const test::GigeCamera device(first_address, "LOSSY", std::string(64 * 64, '\x80'), 0.1);
+  const auto camera = opened({{"width", "64"}, {"height", "64"}, {"frame_rate", "50"}, {"silence", "3"}});
+  ASSERT_TRUE(camera);
+  Tally tally;
+  while (tally.delivered < 60) {
+    const auto frame = next_frame(*camera);
+    ASSERT_TRUE(frame);
+    tally.add(*camera, *frame);
+  }
+  EXPECT_GT(tally.due, tally.delivered);
+  EXPECT_EQ(Tally::lost(*camera) - tally.begin, tally.due - tally.delivered);
+}
+
+TEST_F(Gige, AReaderWhoComesLateLosesPicturesNotPackets) {
+  const test::GigeCamera device(first_address, "LATE");
+  const auto camera =
+      opened({{"width", "512"}, {"height", "512"}, {"frame_rate", "50"}, {"silence", "3"}, {"buffers", "3"}});
+  ASSERT_TRUE(camera);
+  Tally tally;
+  while (tally.delivered < 30) {
+    const auto frame = next_frame(*camera);
+    ASSERT_TRUE(frame);
+    tally.add(*camera, *frame);
+    if (tally.delivered == 10) std::this_thread::sleep_for(std::chrono::seconds(1));
+  }
+  EXPECT_GT(tally.due, tally.delivered);
+  EXPECT_GT(camera->counters().overrun, 0u);
+  EXPECT_EQ(Tally::lost(*camera) - tally.begin, tally.due - tally.delivered);
+}
+
 /// What a supervisor does.
 std::unique_ptr<CameraSource> reopened(const SourceOptions& source, Clock::time_point end) {
   while (Clock::now() < end) {
