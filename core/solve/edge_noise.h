@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/solve/edge_sums.h"
+#include "core/solve/rim_memo.h"
 
 namespace ca2 {
 
@@ -12,7 +13,12 @@ struct EdgeView {
   std::span<const EdgeCrossing> crossings;
   Outline outline;
   Pose T_lidar_board;
+  RimMemo* memo = nullptr;  ///< of these crossings, where they are looked at more than once
 };
+
+/// `edge_sums` of the view.
+std::vector<EdgeSums> edge_sums(const EdgeView& view, const Dilation& dilation, const EdgeNoise& noise,
+                                double slack);
 
 /// The blur [rad] with which straight rims are possible; 0 where the rays' gaps alone make them so. `slack`
 /// as for `edge_sums`.

@@ -35,12 +35,13 @@ struct Piece {
 
 /// One side of the plate, where it is predicted.
 struct Side {
-  Eigen::Vector3d a, b;    ///< board frame, m
-  Eigen::Vector3d A, B;    ///< the same, sensor frame, m
-  Eigen::Vector3d normal;  ///< unit, of the plane with the origin, outwards
-  Eigen::Vector3d across;  ///< unit, along the side, sensor frame
-  Eigen::Vector3d middle;  ///< m, sensor frame
-  double half_length = 0;  ///< m
+  Eigen::Vector3d a, b;             ///< board frame, m
+  Eigen::Vector3d A, B;             ///< the same, sensor frame, m
+  Eigen::Vector3d normal;           ///< unit, of the plane with the origin, outwards
+  Eigen::Vector3d across;           ///< unit, along the side, sensor frame
+  Eigen::Vector3d middle;           ///< m, sensor frame
+  double half_length = 0;           ///< m
+  double reach_A = 0, reach_B = 0;  ///< of the ends from the sensor, m
 };
 
 std::array<Side, 4> sides_of(const Outline& outline, const Pose& T_lidar_board) {
@@ -59,6 +60,8 @@ std::array<Side, 4> sides_of(const Outline& outline, const Pose& T_lidar_board) 
     side.across = (side.B - side.A).normalized();
     side.middle = 0.5 * (side.A + side.B);
     side.half_length = 0.5 * (side.B - side.A).norm();
+    side.reach_A = side.A.norm();
+    side.reach_B = side.B.norm();
   }
   return sides;
 }
@@ -68,7 +71,7 @@ std::array<Side, 4> sides_of(const Outline& outline, const Pose& T_lidar_board) 
 Eigen::Vector2d weights_at(const Side& side, double place) {
   const double share = 0.5 * (1 + place / side.half_length);
   const double distance = (side.middle + place * side.across).norm();
-  return {(1 - share) * side.A.norm() / distance, share * side.B.norm() / distance};
+  return {(1 - share) * side.reach_A / distance, share * side.reach_B / distance};
 }
 
 /// Where a ray that begins `height` up the z axis meets the plane of a board at T, sensor frame, m.

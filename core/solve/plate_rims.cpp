@@ -12,7 +12,8 @@ PlateRims::PlateRims(const Board& board, const std::vector<ViewSights>& views,
       views_(views),
       chosen_(chosen),
       outlines_(views.size(), board.extent()),
-      noise_(lidars) {}
+      noise_(lidars),
+      memos_(views.size() * lidars) {}
 
 bool PlateRims::any(std::span<const std::size_t> used) const {
   for (const std::size_t v : used) {
@@ -34,7 +35,7 @@ std::optional<EdgeView> PlateRims::seen(const JointState& state, std::size_t vie
   if (list.empty()) return std::nullopt;
   Pose T_lidar_rim = state.T_ref_lidar[lidar].inverse() * state.T_ref_board[view];
   T_lidar_rim.t += state.rim_depth * T_lidar_rim.R.col(2);
-  return EdgeView{list, outlines_[view], T_lidar_rim};
+  return EdgeView{list, outlines_[view], T_lidar_rim, &memos_[view * noise_.size() + lidar]};
 }
 
 std::vector<EdgeView> PlateRims::all_seen(const JointState& state, std::span<const std::size_t> used,
@@ -110,8 +111,7 @@ std::vector<double> PlateRims::lens_gains(const JointState& state, std::span<con
 std::vector<EdgeSums> PlateRims::sums(const JointState& state, std::size_t view, std::size_t lidar) const {
   const auto rim = seen(state, view, lidar);
   if (!rim) return {};
-  return edge_sums(rim->crossings, rim->outline, rim->T_lidar_board, state.dilation[lidar], noise_[lidar],
-                   slack_);
+  return edge_sums(*rim, state.dilation[lidar], noise_[lidar], slack_);
 }
 
 }  // namespace ca2

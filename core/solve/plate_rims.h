@@ -58,9 +58,10 @@ class PlateRims {
   const Board& board_;
   const std::vector<ViewSights>& views_;
   const std::vector<std::vector<int>>& chosen_;
-  std::vector<Outline> outlines_;  ///< by view
-  std::vector<EdgeNoise> noise_;   ///< by LiDAR
-  double slack_ = 0;               ///< m
+  std::vector<Outline> outlines_;       ///< by view
+  std::vector<EdgeNoise> noise_;        ///< by LiDAR
+  mutable std::vector<RimMemo> memos_;  ///< by view, then LiDAR; they change no answer
+  double slack_ = 0;                    ///< m
 };
 
 }  // namespace ca2

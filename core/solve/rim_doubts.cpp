@@ -63,6 +63,7 @@ double lens_gain(std::span<const EdgeView> views, const Dilation& dilation, doub
     if (!begin_at_origin(list, radius)) return 0;
     for (EdgeCrossing& crossing : list) move_crossing(crossing, radius);
     view.crossings = list;
+    view.memo = nullptr;
   }
   return gain(fitted_errors(rim_residuals(some, dilation, blur, slack), free),
               fitted_errors(rim_residuals(other, dilation, blur, slack), free));

@@ -32,6 +32,7 @@ class Limits {
     find(rays, search);
     std::vector<bool> limits(rays.size(), false);
     for (const std::size_t i : limiting) limits[i] = true;
+    with_stray.reserve(limiting.size());
     RimPolygon others(search.middle, search.reach);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       if (!limits[i]) others.cut(rays[i].weights, rays[i].bound + search.blur);

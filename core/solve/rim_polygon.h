@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -14,6 +15,13 @@ class RimPolygon {
  public:
   /// At first both ends are within `reach` of `middle`.
   RimPolygon(double middle, double reach);
+  // Most have a few corners of the many that there is room for.
+  RimPolygon(const RimPolygon& other) { *this = other; }
+  RimPolygon& operator=(const RimPolygon& other) {
+    count_ = other.count_;
+    std::copy_n(other.corners_.begin(), count_, corners_.begin());
+    return *this;
+  }
 
   /// Leaves where weights.(u, v) <= bound. A polygon with as many corners as there is room for is left as it
   /// is: no more could be cut off than hardly anything.

@@ -102,8 +102,7 @@ RimResiduals rim_residuals(std::span<const EdgeView> views, const Dilation& dila
   RimResiduals residuals;
   for (const EdgeView& view : views) {
     std::vector<RimResidual>& sides = residuals.emplace_back();
-    for (const EdgeSums& edge :
-         edge_sums(view.crossings, view.outline, view.T_lidar_board, dilation, {blur, 0, 0}, slack))
+    for (const EdgeSums& edge : edge_sums(view, dilation, {blur, 0, 0}, slack))
       sides.push_back(residual(edge, view.T_lidar_board, dilation));
   }
   return residuals;

@@ -1,0 +1,32 @@
+/// @file The last edge sums of a rim: what asks how wrong rims are and what solves with them ask for the
+/// same.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/solve/edge_sums.h"
+
+namespace ca2 {
+
+/// Of one rim, whose crossings never change.
+class RimMemo {
+ public:
+  /// `edge_sums` of just these, which EdgeNoise::shared and ::sway have hardly a part in.
+  std::vector<EdgeSums> sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
+                             const Pose& T_lidar_board, const Dilation& dilation, const EdgeNoise& noise,
+                             double slack);
+
+ private:
+  struct Key {
+    Eigen::Vector2d size, center;
+    Pose T_lidar_board;
+    Dilation dilation;
+    double blur, slack;
+    bool operator==(const Key& other) const;
+  };
+  std::optional<Key> key_;
+  std::vector<EdgeSums> sums_;  ///< without an error that is shared
+};
+
+}  // namespace ca2
