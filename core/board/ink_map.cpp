@@ -3,22 +3,73 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/types/four.h"
+#include "core/types/hot_loop.h"
+
 namespace ca2 {
 namespace {
 
 constexpr double cells_along = 160;  // the longer side: a ChArUco's bits are two of them wide
 
-/// A place along a side: the cell it cuts, and how much of it is before.
-struct Cut {
-  int cell;
-  double part;
+using FourCells = std::int32_t __attribute__((vector_size(16)));
+
+/// Places along a side: the cells they cut, and how much of each is before.
+struct Cuts {
+  FourCells cell;
+  Four part;
 };
 
 /// `size` cells; what is beside them, NaN included, is at their ends.
-Cut cut(double place, int size) {
-  const double inside = place > 0 ? std::min(place, static_cast<double>(size)) : 0;
-  const int cell = std::min(static_cast<int>(inside), size - 1);
-  return {cell, inside - cell};
+__attribute__((always_inline)) inline void cut(const Four& place, int size, Cuts& cuts) {
+  const Four end = Four{} + static_cast<double>(size);
+  const FourCells last = FourCells{} + (size - 1);
+  const Four positive = place > 0 ? place : Four{};
+  const Four inside = positive < end ? positive : end;
+  const FourCells cell = __builtin_convertvector(inside, FourCells);
+  cuts.cell = cell < last ? cell : last;
+  cuts.part = inside - __builtin_convertvector(cuts.cell, Four);
+}
+
+struct Table {
+  Eigen::Vector2d corner, cell;
+  int columns, rows;
+  const std::int32_t* sums;
+};
+
+CA2_HOT_LOOP void share_of(const Table& table, const double* x, const double* y, const double* width,
+                           Eigen::Index count, double* shares) {
+  const double columns_per_m = 1 / table.cell[0], rows_per_m = 1 / table.cell[1];
+  const Four least = Four{} + 0.5;
+  for (Eigen::Index i = 0; i < count; i += 4) {
+    Four middle_x, middle_y, spot;
+    load(middle_x, x + i);
+    load(middle_y, y + i);
+    load(spot, width + i);
+    middle_x = (middle_x - table.corner[0]) / table.cell[0];
+    middle_y = (middle_y - table.corner[1]) / table.cell[1];
+    Four half_x = 0.5 * spot * columns_per_m, half_y = 0.5 * spot * rows_per_m;
+    half_x = half_x < least ? least : half_x;
+    half_y = half_y < least ? least : half_y;
+    Cuts left, right, top, bottom;
+    cut(middle_x - half_x, table.columns, left);
+    cut(middle_x + half_x, table.columns, right);
+    cut(middle_y - half_y, table.rows, top);
+    cut(middle_y + half_y, table.rows, bottom);
+    // Black above a row of cells, between left and right: above and below the cells that top and bottom cut.
+    Four above[4];
+    for (int k = 0; k < 4; ++k) {
+      const int rows[4] = {top.cell[k], top.cell[k] + 1, bottom.cell[k], bottom.cell[k] + 1};
+      const std::int32_t *from = table.sums + left.cell[k], *to = table.sums + right.cell[k];
+      for (int j = 0; j < 4; ++j) {
+        const int row = rows[j] * (table.columns + 1);
+        above[j][k] = (to[row] - from[row]) + right.part[k] * (to[row + 1] - to[row]) -
+                      left.part[k] * (from[row + 1] - from[row]);
+      }
+    }
+    const Four over = (1 - top.part) * above[0] + top.part * above[1];
+    const Four under = (1 - bottom.part) * above[2] + bottom.part * above[3];
+    store(shares + i, (under - over) / (4 * (half_x * half_y)));
+  }
 }
 
 }  // namespace
@@ -44,20 +95,16 @@ InkMap::InkMap(const Board& board) {
 }
 
 double InkMap::share(const Eigen::Vector2d& p, double width) const {
-  const Eigen::Vector2d middle = (p - corner_).cwiseQuotient(cell_);
-  const Eigen::Vector2d half = (0.5 * width * cell_.cwiseInverse()).cwiseMax(0.5);
-  const Cut left = cut(middle.x() - half.x(), columns_), right = cut(middle.x() + half.x(), columns_);
-  const Cut top = cut(middle.y() - half.y(), rows_), bottom = cut(middle.y() + half.y(), rows_);
-  // Black above a row of cells, between left and right.
-  const auto above = [&](int row) {
-    const std::int32_t* sums = &sums_[static_cast<std::size_t>(row * (columns_ + 1))];
-    return (sums[right.cell] - sums[left.cell]) + right.part * (sums[right.cell + 1] - sums[right.cell]) -
-           left.part * (sums[left.cell + 1] - sums[left.cell]);
-  };
-  const auto above_cut = [&](const Cut& at) {
-    return (1 - at.part) * above(at.cell) + at.part * above(at.cell + 1);
-  };
-  return (above_cut(bottom) - above_cut(top)) / (4 * half.prod());
+  const Eigen::Array4d x = Eigen::Array4d::Constant(p.x()), y = Eigen::Array4d::Constant(p.y());
+  const Eigen::Array4d widths = Eigen::Array4d::Constant(width);
+  Eigen::Array4d four;
+  shares(x.data(), y.data(), widths.data(), four.size(), four.data());
+  return four[0];
+}
+
+void InkMap::shares(const double* x, const double* y, const double* width, Eigen::Index count,
+                    double* shares) const {
+  share_of({corner_, cell_, columns_, rows_, sums_.data()}, x, y, width, count, shares);
 }
 
 }  // namespace ca2

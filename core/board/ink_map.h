@@ -17,6 +17,9 @@ class InkMap {
   /// Share of black, 0 .. 1, in a square spot of `width` [m] about `p` (board frame, m), its sides along the
   /// board's. What is beside the print is white.
   double share(const Eigen::Vector2d& p, double width) const;
+  /// The same of `count` spots, a multiple of four, four at a time: x, y and width [m] to `shares`.
+  void shares(const double* x, const double* y, const double* width, Eigen::Index count,
+              double* shares) const;
 
  private:
   Eigen::Vector2d corner_;  ///< of the first cell, m

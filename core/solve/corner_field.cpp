@@ -45,6 +45,30 @@ CA2_HOT_LOOP void square(const double* J, Eigen::Index size, Eigen::Index length
   }
 }
 
+/// errors += J' way, row by row of J.
+CA2_HOT_LOOP void move_along(const double* J, Eigen::Index stride, Eigen::Index size, const double* way,
+                             Eigen::Index count, double* errors) {
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const double* row = J + k * stride;
+    for (Eigen::Index i = 0; i < count; ++i) errors[i] += way[k] * row[i];
+  }
+}
+
+/// g += J (off e), H += off J J' with the `size` rows of one corner's J, `stride` numbers apart.
+CA2_HOT_LOOP void add_corner(const double* J, Eigen::Index stride, Eigen::Index size, double off,
+                             const double* e, double* g, double* H) {
+  double x[CameraEquations::most], y[CameraEquations::most];
+  const double e_x = off * e[0], e_y = off * e[1];
+  for (Eigen::Index k = 0; k < size; ++k) {
+    x[k] = J[k * stride];
+    y[k] = J[k * stride + 1];
+    g[k] += x[k] * e_x + y[k] * e_y;
+  }
+  for (Eigen::Index column = 0; column < size; ++column, H += size) {
+    for (Eigen::Index row = 0; row < size; ++row) H[row] += off * (x[column] * x[row] + y[column] * y[row]);
+  }
+}
+
 Eigen::Vector3d as_printed(const Eigen::Vector3d& stated, const Eigen::Vector2d& stretch) {
   return {stated.x() * (1 + stretch.x()), stated.y() * (1 + stretch.y()), 0};
 }
@@ -58,7 +82,8 @@ CornerField::CornerField(std::span<const Corner> corners, std::span<const Eigen:
       parameters_(CameraParameters::Zero(unknowns.parameters)),
       moves_(CameraParameters::Zero(unknowns.parameters)),
       e_(Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(corners.size()))),
-      J_(Jacobian::Zero(size_, 4 * ((static_cast<Eigen::Index>(corners.size()) + 1) / 2))) {
+      J_(size_, 4 * ((static_cast<Eigen::Index>(corners.size()) + 1) / 2)) {
+  J_.rightCols(J_.cols() - e_.size()).setZero();
   corners_.reserve(corners.size());
   for (const Corner& corner : corners) {
     const Eigen::Vector2d& xy = positions[static_cast<std::size_t>(corner.id)];
@@ -91,16 +116,27 @@ bool CornerField::project(const CornerModel& model) {
     const Eigen::Vector3d printed = as_printed(corner.p_board, model.stretch);
     const auto pixel = model.camera.project(T_camera_board * printed, &jacobian);
     if (!pixel) return false;
-    e_.col(static_cast<Eigen::Index>(i)) = corner.whitening * (*pixel - corner.pixel);
-    auto J = J_.middleCols<2>(2 * static_cast<Eigen::Index>(i));
-    const Eigen::Matrix<double, 2, 3> by_translation = corner.whitening * jacobian.point * T_camera_board.R;
-    J.topRows<3>() = skew(printed) * by_translation.transpose();
-    J.middleRows<3>(3) = by_translation.transpose();
-    const auto by_parameters = jacobian.parameters.leftCols(moves_.size());
-    J.middleRows(6, moves_.size()) = by_parameters.transpose().lazyProduct(corner.whitening.transpose());
-    if (unknowns_.stretch)
-      J.bottomRows<2>() = corner.p_board.head<2>().asDiagonal() * by_translation.leftCols<2>().transpose();
-    moves_ = moves_.cwiseMax(by_parameters.cwiseAbs().colwise().maxCoeff().transpose());
+    const Eigen::Matrix2d& W = corner.whitening;
+    e_.col(static_cast<Eigen::Index>(i)) = W * (*pixel - corner.pixel);
+    const Eigen::Matrix<double, 2, 3> by_translation = W * jacobian.point * T_camera_board.R;
+    const Eigen::Matrix<double, 3, 2> by_rotation = skew(printed) * by_translation.transpose();
+    // Number by number: blocks of a size that is not known when this is compiled cost more than what is in
+    // them.
+    double* J = J_.data() + 2 * i;
+    const auto put = [&](double x, double y) {
+      J[0] = x;
+      J[1] = y;
+      J += J_.cols();
+    };
+    for (Eigen::Index k = 0; k < 3; ++k) put(by_rotation(k, 0), by_rotation(k, 1));
+    for (Eigen::Index k = 0; k < 3; ++k) put(by_translation(0, k), by_translation(1, k));
+    for (Eigen::Index k = 0; k < moves_.size(); ++k) {
+      const double x = jacobian.parameters(0, k), y = jacobian.parameters(1, k);
+      put(W(0, 0) * x, W(1, 0) * x + W(1, 1) * y);
+      moves_(k) = std::max(moves_(k), std::max(std::abs(x), std::abs(y)));
+    }
+    for (Eigen::Index k = 0; unknowns_.stretch && k < 2; ++k)
+      put(corner.p_board(k) * by_translation(0, k), corner.p_board(k) * by_translation(1, k));
   }
   T_camera_board_ = T_camera_board;
   parameters_ = model.camera.parameters.head(parameters_.size());
@@ -153,9 +189,7 @@ CameraEquations CornerField::equations(const CornerModel& model, double scale, d
     if (norm <= huber * scale) continue;
     const double off = huber * scale / norm - 1;  // of its weight
     sum.cost += huber_cost(norm, huber * scale) - 0.5 * norm * norm;
-    const Eigen::Matrix<double, Eigen::Dynamic, 2, 0, CameraEquations::most, 2> J = this->J(i);
-    sum.g.noalias() += J.lazyProduct(off * there);
-    for (Eigen::Index k = 0; k < size_; ++k) sum.H.col(k) += off * (J(k, 0) * J.col(0) + J(k, 1) * J.col(1));
+    add_corner(J_.data() + 2 * i, J_.cols(), size_, off, there.data(), sum.g.data(), sum.H.data());
   }
   const double information = 1 / (scale * scale);
   sum.cost *= information;
@@ -187,8 +221,7 @@ double CornerField::cost(const CornerModel& model, double scale, double huber) c
 
 Eigen::Matrix2Xd CornerField::errors_after(const Vector& way) const {
   Eigen::Matrix2Xd errors = e_;
-  for (Eigen::Index k = 0; k < size_; ++k)
-    errors.reshaped() += way(k) * J_.row(k).head(errors.size()).transpose();
+  move_along(J_.data(), J_.cols(), size_, way.data(), errors.size(), errors.data());
   return errors;
 }
 

@@ -156,10 +156,6 @@ double RangeCorrection::largest() const {
   return ring + bin;
 }
 
-int RangeClasses::bin(double ink) {
-  return std::clamp(static_cast<int>(bins * ink), 0, bins - 1);
-}
-
 RangeCorrection estimate_range_correction(const RangeClasses& classes,
                                           std::span<const CorrectionEvidence> boards, double sigma) {
   const RingUse use = use_of_rings(classes, boards);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -37,7 +38,7 @@ struct RangeClasses {
 
   bool tells(int ring) const { return ring >= 0 && ring < rings; }
   /// Of a share of ink, 0 .. 1.
-  static int bin(double ink);
+  static int bin(double ink) { return std::clamp(static_cast<int>(bins * ink), 0, bins - 1); }
 };
 
 /// Sums over returns of one class, whose ranges are therefore off by the same: r is the residual (range less

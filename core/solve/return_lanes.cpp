@@ -1,5 +1,8 @@
 #include "core/solve/return_lanes.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/geometry/plane.h"
 #include "core/solve/range_sums.h"
 #include "core/types/four.h"
@@ -46,6 +49,41 @@ CA2_HOT_LOOP void place(const Rays& rays, const double* along, const Eigen::Vect
     load(height, rays.height + i);
     load(to, along + i);
     store(places + i, to * (x * axis[0] + y * axis[1] + z * axis[2]) + height * axis[2] - origin);
+  }
+}
+
+CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const double* along, double limit,
+                            double* taken, Near& near) {
+  const Four none = {}, one = none + 1, infinite = none + std::numeric_limits<double>::infinity();
+  const Four end = none + static_cast<double>(count);
+  Four low[3] = {infinite, infinite, infinite}, high[3] = {-infinite, -infinite, -infinite};
+  Four spread = none, taken_in_all = none, index = {0, 1, 2, 3};
+  for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes, index += 4) {
+    Four ray[3], range, to;
+    load(ray[0], rays.x + i);
+    load(ray[1], rays.y + i);
+    load(ray[2], rays.z + i);
+    load(range, rays.range + i);
+    load(to, along + i);
+    const Four residual = range - to;
+    const Four off = residual < 0 ? -residual : residual;
+    const Four in = index < end ? (off <= limit ? one : none) : none;
+    store(taken + i, in);
+    taken_in_all += in;
+    spread = in > 0 ? (spread < off ? off : spread) : spread;
+    for (int k = 0; k < 3; ++k) {
+      const Four place = range * ray[k];
+      low[k] = in > 0 ? (place < low[k] ? place : low[k]) : low[k];
+      high[k] = in > 0 ? (high[k] < place ? place : high[k]) : high[k];
+    }
+  }
+  near.count = static_cast<std::size_t>(sum(taken_in_all));
+  for (int lane = 0; lane < ReturnArrays::lanes; ++lane) {
+    near.spread = std::max(near.spread, spread[lane]);
+    for (int k = 0; k < 3; ++k) {
+      near.low[k] = lane == 0 ? low[k][0] : std::min(near.low[k], low[k][lane]);
+      near.high[k] = lane == 0 ? high[k][0] : std::max(near.high[k], high[k][lane]);
+    }
   }
 }
 
@@ -96,30 +134,40 @@ CA2_HOT_LOOP void add_up(const Rays& rays, double q_z, const double* along, cons
 
 ReturnArrays::ReturnArrays(std::size_t size) {
   const Eigen::Index padded = (static_cast<Eigen::Index>(size) + lanes - 1) / lanes * lanes;
-  rays.setZero(padded, 4);
-  range.setZero(padded);
+  rays.resize(padded, 4);
+  range.resize(padded);
 }
 
-void ReturnArrays::set(std::size_t i, const Eigen::Vector3d& u, double height, double r) {
-  const auto row = static_cast<Eigen::Index>(i);
-  rays.row(row) << u.cast<float>().transpose(), static_cast<float>(height);
-  range(row) = r;
+void ReturnArrays::leave_out_from(std::size_t size) {
+  const Eigen::Index rest = range.size() - static_cast<Eigen::Index>(size);
+  rays.bottomRows(rest).setZero();
+  range.tail(rest).setZero();
 }
 
-void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Meetings& meetings) {
+void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::VectorXd& along,
+                Eigen::VectorXd& x, Eigen::VectorXd& y) {
   const Rays rays(returns);
-  meet_plane(returns, inverse_plane(board_plane(T_lidar_board)), meetings.along);
-  meetings.x.resize(rays.size);
-  meetings.y.resize(rays.size);
-  const Eigen::Vector3d x = T_lidar_board.R.col(0), y = T_lidar_board.R.col(1);
-  place(rays, meetings.along.data(), x, x.dot(T_lidar_board.t), meetings.x.data());
-  place(rays, meetings.along.data(), y, y.dot(T_lidar_board.t), meetings.y.data());
+  meet_plane(returns, inverse_plane(board_plane(T_lidar_board)), along);
+  x.resize(rays.size);
+  y.resize(rays.size);
+  const Eigen::Vector3d x_axis = T_lidar_board.R.col(0), y_axis = T_lidar_board.R.col(1);
+  place(rays, along.data(), x_axis, x_axis.dot(T_lidar_board.t), x.data());
+  place(rays, along.data(), y_axis, y_axis.dot(T_lidar_board.t), y.data());
 }
 
 void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::VectorXd& along) {
   const Rays rays(returns);
   along.resize(rays.size);
   meet(rays, q, along.data());
+}
+
+Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::VectorXd& along, double limit,
+               Eigen::VectorXd& taken) {
+  const Rays rays(returns);
+  taken.resize(rays.size);
+  Near near;
+  mark_near(rays, static_cast<Eigen::Index>(count), along.data(), limit, taken.data(), near);
+  return near;
 }
 
 void sum_returns(const ReturnArrays& returns, const Eigen::Vector3d& q, const Eigen::VectorXd& along,

@@ -15,11 +15,20 @@ namespace ca2 {
 struct ReturnArrays {
   static constexpr Eigen::Index lanes = 4;
 
-  /// For so many returns.
+  /// For so many returns, each of which is to be set, or left out at the end.
   explicit ReturnArrays(std::size_t size);
 
   /// `r` [m] along the unit ray `u`, which begins at `height` [m] on the z axis.
-  void set(std::size_t i, const Eigen::Vector3d& u, double height, double r);
+  void set(std::size_t i, const Eigen::Vector3d& u, float height, double r) {
+    const auto row = static_cast<Eigen::Index>(i);
+    rays(row, 0) = static_cast<float>(u.x());
+    rays(row, 1) = static_cast<float>(u.y());
+    rays(row, 2) = static_cast<float>(u.z());
+    rays(row, 3) = height;
+    range(row) = r;
+  }
+  /// There are no more than `size`.
+  void leave_out_from(std::size_t size);
   Eigen::Vector3d ray(std::size_t i) const {
     return rays.row(static_cast<Eigen::Index>(i)).head<3>().cast<double>();
   }
@@ -30,14 +39,21 @@ struct ReturnArrays {
   Eigen::VectorXd range;  ///< m, along the ray
 };
 
-/// Where the rays meet a plate.
-struct Meetings {
-  Eigen::VectorXd along;  ///< m, along the ray; not positive or NaN: it does not meet it
-  Eigen::VectorXd x, y;   ///< m, by the board's axes
-};
-void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Meetings& meetings);
+/// Where the rays meet a plate: `along` them, m (not positive or NaN: they do not), and `x`, `y` by the
+/// board's axes, m.
+void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::VectorXd& along,
+                Eigen::VectorXd& x, Eigen::VectorXd& y);
 /// The same, but for the plane q only, see `inverse_plane`: `along`.
 void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::VectorXd& along);
+
+/// Which of the first `count` returns end within `limit` [m] of `along`: 1 in `taken`, 0 the others.
+struct Near {
+  std::size_t count = 0;
+  double spread = 0;          ///< m, the furthest of them
+  Eigen::Vector3d low, high;  ///< m: a box about them, their rays as if they all began in the origin
+};
+Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::VectorXd& along, double limit,
+               Eigen::VectorXd& taken);
 
 /// The sums of the returns whose `taken` is 1 (the others' is 0), about the plane q, which their rays meet at
 /// `along`. `of_class`: the class of each return, as an index into sums.classes. The sums are begun anew but

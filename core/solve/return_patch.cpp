@@ -44,12 +44,9 @@ ReturnPatch::ReturnPatch(const LidarSight& sight, const InkMap& ink)
     }
     if (list == &sight.on_board) found_ = size_;
   }
+  returns_.leave_out_from(size_);
   of_class_.assign(static_cast<std::size_t>(returns_.range.size()), 0);
   settled_.setZero(returns_.range.size());
-}
-
-double ReturnPatch::predict(std::size_t index, const Eigen::Vector3d& q) const {
-  return (1 - returns_.height(index) * q.z()) / returns_.ray(index).dot(q);
 }
 
 bool ReturnPatch::holds(const Place& place) const {
@@ -77,9 +74,9 @@ bool ReturnPatch::aim(const Outline& outline, const Pose& T_lidar_board, double 
   const double half_width = 0.5 * outline.width - margin, half_height = 0.5 * outline.height - margin;
   chosen_ = settled_count_;
   for (Open& one : open_) {
-    const Eigen::Vector3d ray = returns_.ray(one.index), origin(0, 0, returns_.height(one.index));
+    const Eigen::Vector3d origin(0, 0, one.height);
     const Eigen::Vector3d hit =
-        origin + (distance - normal.dot(origin)) / normal.dot(ray) * ray - T_lidar_board.t;
+        origin + (distance - normal.dot(origin)) / normal.dot(one.ray) * one.ray - T_lidar_board.t;
     one.chosen = std::abs(T_lidar_board.R.col(0).dot(hit) - outline.center.x()) <= half_width &&
                  std::abs(T_lidar_board.R.col(1).dot(hit) - outline.center.y()) <= half_height;
     chosen_ += one.chosen ? 1 : 0;
@@ -90,8 +87,11 @@ bool ReturnPatch::aim(const Outline& outline, const Pose& T_lidar_board, double 
 void ReturnPatch::settle(const Place& place, double margin) {
   place_ = place;
   reference_ = inverse_plane(board_plane(place.T_lidar_board));
-  Meetings meetings;
-  meet_plate(returns_, place.T_lidar_board, meetings);
+  Eigen::VectorXd x, y;  // where rays meet the plate, m
+  meet_plate(returns_, place.T_lidar_board, predicted_, x, y);
+  const Eigen::VectorXd spots = beam_width * predicted_;
+  Eigen::VectorXd ink(spots.size());
+  ink_.shares(x.data(), y.data(), spots.data(), ink.size(), ink.data());
   const Eigen::Vector2d center = place.outline.center;
   const double half_width = 0.5 * place.outline.width - margin;
   const double half_height = 0.5 * place.outline.height - margin;
@@ -103,21 +103,19 @@ void ReturnPatch::settle(const Place& place, double margin) {
   slots_.assign(slots_.size(), -1);
   for (std::size_t k = 0; k < size_; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    const Eigen::Vector2d hit(meetings.x(i), meetings.y(i));
     const double slack =
-        std::min(half_width - std::abs(hit.x() - center.x()), half_height - std::abs(hit.y() - center.y()));
-    if (!(slack > -rim_reach && meetings.along(i) > 0)) continue;
-    const double off = std::abs(returns_.range(i) - meetings.along(i) - place.bias);
+        std::min(half_width - std::abs(x(i) - center.x()), half_height - std::abs(y(i) - center.y()));
+    if (!(slack > -rim_reach && predicted_(i) > 0)) continue;
+    const double off = std::abs(returns_.range(i) - predicted_(i) - place.bias);
     if (slack > rim_reach && off <= place.limit) {
       settled_(i) = 1;
       ++settled_count_;
       spread_ = std::max(spread_, off);
     } else {
-      open_.push_back({k, false});
+      open_.push_back(opened(k));
     }
-    of_class_[k] = class_of(k, hit, meetings.along(i));
+    of_class_[k] = class_of(k, RangeClasses::bin(ink(i)));
   }
-  predicted_ = std::move(meetings.along);
   for (std::size_t i = 0; i < 4; ++i) {
     rim_[i] = (place.T_lidar_board * Eigen::Vector3d(center.x() + (i & 1 ? half_width : -half_width),
                                                      center.y() + (i & 2 ? half_height : -half_height), 0))
@@ -126,9 +124,8 @@ void ReturnPatch::settle(const Place& place, double margin) {
   sum_up();
 }
 
-std::uint16_t ReturnPatch::class_of(std::size_t index, const Eigen::Vector2d& place, double range) {
+std::uint16_t ReturnPatch::class_of(std::size_t index, int bin) {
   const int ring = ring_[index] < most_rings ? ring_[index] : -1;
-  const int bin = RangeClasses::bin(ink_.share(place, beam_width * range));
   const auto at = static_cast<std::size_t>((ring + 1) * bins + bin + 1);
   if (at >= slots_.size()) slots_.resize(at + bins, -1);
   if (slots_[at] < 0) {
@@ -163,29 +160,16 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
   place_.reset();
   reference_ = inverse_plane(plane);
   meet_plane(returns_, reference_, predicted_);
-  settled_.setZero();
-  settled_count_ = 0;
+  const Near near = find_near(returns_, found_, predicted_, 0.6 * gate, settled_);
+  settled_count_ = near.count;
+  spread_ = near.spread;
   open_.clear();
-  spread_ = 0;
-  const double limit = 0.6 * gate;
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::size_t k = 0; k < found_; ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double off = std::abs(returns_.range(i) - predicted_(i));
-    if (!(off <= limit)) {
-      open_.push_back({k, true});
-      continue;
-    }
-    settled_(i) = 1;
-    ++settled_count_;
-    spread_ = std::max(spread_, off);
-    const Eigen::Vector3d there = returns_.range(i) * returns_.ray(k);
-    low = low.cwiseMin(there);
-    high = high.cwiseMax(there);
+  for (std::size_t k = 0; k < found_ && open_.size() + settled_count_ < found_; ++k) {
+    if (!(settled_(static_cast<Eigen::Index>(k)) > 0)) open_.push_back(opened(k));
   }
   chosen_ = found_;
-  const Eigen::Vector3d middle = 0.5 * (low + high);
-  const double radius = 0.5 * (high - low).norm();
+  const Eigen::Vector3d middle = 0.5 * (near.low + near.high);
+  const double radius = 0.5 * (near.high - near.low).norm();
   const Eigen::Vector3d across = plane.normal.unitOrthogonal(), along = plane.normal.cross(across);
   for (std::size_t i = 0; i < 4; ++i) {
     rim_[i] = (middle + radius * ((i & 1 ? 1 : -1) * across + (i & 2 ? 1 : -1) * along)).normalized();
@@ -211,16 +195,15 @@ std::optional<int> ReturnPatch::highest_ring() const {
   return known ? std::optional(highest) : std::nullopt;
 }
 
-ReturnPatch::Linear ReturnPatch::linear(std::size_t index) const {
+ReturnPatch::Open ReturnPatch::opened(std::size_t index) const {
   const auto i = static_cast<Eigen::Index>(index);
-  const Eigen::Vector3d ray = returns_.ray(index);
-  const double predicted = predicted_(i), height = returns_.height(index);
+  Open one{index, true, returns_.ray(index), returns_.height(index), {}};
+  const double predicted = predicted_(i);
   // By q: (o + rho u) / (u.q), see `range_sums`.
-  const double per_toward = predicted / (1 - height * reference_.z());
-  Linear here;
-  here.r = returns_.range(i) - predicted;
-  here.J << per_toward * (predicted * ray + Eigen::Vector3d(0, 0, height)), -ray.z();
-  return here;
+  const double per_toward = predicted / (1 - one.height * reference_.z());
+  one.linear.r = returns_.range(i) - predicted;
+  one.linear.J << per_toward * (predicted * one.ray + Eigen::Vector3d(0, 0, one.height)), -one.ray.z();
+  return one;
 }
 
 bool ReturnPatch::all_settled_pass(const Pass& pass, const RangeCorrection& correction) const {
@@ -237,21 +220,22 @@ bool ReturnPatch::all_settled_pass(const Pass& pass, const RangeCorrection& corr
 template <typename Add>
 void ReturnPatch::each_passing(const Pass& pass, const RangeCorrection& correction, bool settled,
                                const Add& add) const {
-  const auto look = [&](std::size_t k) {
-    const double predicted = predict(k, pass.q);
+  const auto look = [&](const Open& here) {
+    const double predicted = (1 - here.height * pass.q.z()) / here.ray.dot(pass.q);
     if (!(predicted > 0)) return;  // the ray does not meet the plane ahead
-    const ClassSums& one = sums_.classes[of_class_[k]];
-    const double off = correction.at(one.ring, one.bin);
-    const double residual = returns_.range(static_cast<Eigen::Index>(k)) - off - predicted - pass.bias;
-    if (std::abs(residual) <= pass.gate) add(k, off);
+    const ClassSums& its = sums_.classes[of_class_[here.index]];
+    const double off = correction.at(its.ring, its.bin);
+    const double residual =
+        returns_.range(static_cast<Eigen::Index>(here.index)) - off - predicted - pass.bias;
+    if (std::abs(residual) <= pass.gate) add(here, off);
   };
   if (settled) {
     for (std::size_t k = 0; k < size_; ++k) {
-      if (settled_(static_cast<Eigen::Index>(k)) > 0) look(k);
+      if (settled_(static_cast<Eigen::Index>(k)) > 0) look(opened(k));
     }
   } else {
     for (const Open& one : open_) {
-      if (one.chosen) look(one.index);
+      if (one.chosen) look(one);
     }
   }
 }
@@ -286,11 +270,10 @@ RangeSums ReturnPatch::sums_of(const Pass& pass, const RangeCorrection& correcti
                                const RangeSums& settled) const {
   RangeSums sums;
   sums.reference = reference_;
-  const auto add = [&](std::size_t k, double off) {
-    const Linear here = linear(k);
-    const double r = here.r - off;
+  const auto add = [&](const Open& here, double off) {
+    const double r = here.linear.r - off;
     Vector5d J;
-    J << here.J.head<3>(), -1, here.J(3);
+    J << here.linear.J.head<3>(), -1, here.linear.J(3);
     sums.H.noalias() += J.lazyProduct(J.transpose());
     sums.gradient += r * J;
     sums.cost += 0.5 * r * r;
@@ -313,9 +296,9 @@ RangeSums ReturnPatch::sums(const Plane& plane, double bias, double gate,
 CorrectionEvidence ReturnPatch::evidence(const Plane& plane, double gate) const {
   const Pass pass{inverse_plane(plane), 0, gate};
   CorrectionEvidence all = sums_;
-  const auto add = [&](std::size_t k, double) {
-    const Linear here = linear(k);
-    ClassSums& one = all.classes[of_class_[k]];
+  const auto add = [&](const Open& open, double) {
+    const Linear& here = open.linear;
+    ClassSums& one = all.classes[of_class_[open.index]];
     one.count += 1;
     one.r += here.r;
     one.J += here.J;

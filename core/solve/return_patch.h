@@ -50,10 +50,6 @@ class ReturnPatch {
   CorrectionEvidence evidence(const Plane& plane, double gate) const;
 
  private:
-  struct Open {
-    std::size_t index;
-    bool chosen;
-  };
   /// Where the settled sums are good.
   struct Place {
     Outline outline;
@@ -66,6 +62,14 @@ class ReturnPatch {
     double r;
     Eigen::Vector4d J;
   };
+  /// A return that is not settled, with what is asked of it again and again.
+  struct Open {
+    std::size_t index;
+    bool chosen;
+    Eigen::Vector3d ray;
+    double height;  ///< m
+    Linear linear;
+  };
   /// Which returns take part.
   struct Pass {
     Eigen::Vector3d q;
@@ -75,15 +79,13 @@ class ReturnPatch {
   bool holds(const Place& place) const;
   void settle(const Place& place, double margin);
   void settle_found(const Plane& plane, double gate);
-  /// Of a return whose ray meets the print at `place` [m], `range` [m] away.
-  std::uint16_t class_of(std::size_t index, const Eigen::Vector2d& place, double range);
+  /// Of a return by its ring and a bin of RangeClasses.
+  std::uint16_t class_of(std::size_t index, int bin);
+  Open opened(std::size_t index) const;
   void sum_up();
   /// How much further along the rays than the reference plane this one is, at most, m.
   double move_to(const Eigen::Vector3d& q) const;
 
-  /// m along the ray to the plane q, see `inverse_plane`; not positive or NaN: it does not meet it.
-  double predict(std::size_t index, const Eigen::Vector3d& q) const;
-  Linear linear(std::size_t index) const;
   /// Do the settled ones pass for certain?
   bool all_settled_pass(const Pass& pass, const RangeCorrection& correction) const;
   /// Calls add(index, m by which its range is corrected) for the settled returns that pass, or only for the
