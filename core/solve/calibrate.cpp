@@ -9,12 +9,11 @@
 
 #include "ca2_version.h"
 #include "core/geometry/adjoint.h"
-#include "core/lidar/beam_lens.h"
+#include "core/solve/beam_lenses.h"
 #include "core/solve/correction_notes.h"
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
-#include "core/solve/rim_doubts.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -251,29 +250,6 @@ class JointReport {
   const CalibrateOptions& options_;
 };
 
-struct LensedAnswer {
-  JointAnswer answer;
-  std::map<std::size_t, double> lenses;  ///< by LiDAR, m: those that the rims spoke for
-};
-
-/// solve_joint; and where the rims say that LiDARs' beams begin in their lenses, with points of such beams.
-LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& cameras,
-                               const std::vector<ViewSights>& views, const RigSeed& seed,
-                               JointOptions options) {
-  for (const auto& [name, lidar] : rig.lidars) options.lens_radius.push_back(beam_lens_radius(lidar.model));
-  const int lidars = static_cast<int>(rig.lidars.size());
-  LensedAnswer found{solve_joint(rig.board, cameras, lidars, views, seed, options), {}};
-  for (std::size_t l = 0; l < found.answer.lens_gain.size(); ++l) {
-    if (found.answer.lens_gain[l] > convincing_lens_gain) found.lenses[l] = options.lens_radius[l];
-  }
-  if (found.lenses.empty()) return found;
-  std::vector<ViewSights> corrected = views;
-  for (const auto& [l, radius] : found.lenses) corrected = through_lens(std::move(corrected), l, radius);
-  options.lens_radius.clear();
-  found.answer = solve_joint(rig.board, cameras, lidars, corrected, seed, options);
-  return found;
-}
-
 // --- The published methods
 // --------------------------------------------------------------------------------------
 
@@ -427,7 +403,10 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   if (options.stop.stop_requested()) return stopped();
   Result<Calibration> calibration = JointReport(rig, names, views, answer, options).make();
   if (!calibration) return calibration;
-  for (const auto& [l, radius] : lenses) calibration->notes.push_back(lens_note(names.lidars[l], radius));
+  for (std::size_t l = 0; l < lenses.size(); ++l) {
+    if (std::string note = lens_note(names.lidars[l], lenses[l]); !note.empty())
+      calibration->notes.push_back(std::move(note));
+  }
   return calibration;
 }
 

@@ -58,13 +58,4 @@ std::vector<std::string> correction_notes(const Rig& rig, const std::vector<View
   return notes;
 }
 
-std::string lens_note(const std::string& lidar, double radius) {
-  return formatted(
-      "the boards' rims show that the beams of %s begin in its lens, %.0f mm before its axis, which its "
-      "points "
-      "leave out: it was taken into account; to draw its points exactly, move each by -%.1f mm times the "
-      "tangent of its elevation along z",
-      lidar.c_str(), 1e3 * radius, 1e3 * radius);
-}
-
 }  // namespace ca2

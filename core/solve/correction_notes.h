@@ -17,7 +17,4 @@ namespace ca2 {
 std::vector<std::string> correction_notes(const Rig& rig, const std::vector<ViewSights>& views,
                                           const JointAnswer& answer, const CalibratedPrint& print);
 
-/// Of a LiDAR whose points were taken for those of beams that begin in its lens, `radius` [m] from its axis.
-std::string lens_note(const std::string& lidar, double radius);
-
 }  // namespace ca2

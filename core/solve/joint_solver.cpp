@@ -39,7 +39,8 @@ class Solver {
         views_(views),
         lidars_(static_cast<std::size_t>(lidars)),
         rims_(board, views, seed.chosen, lidars_),
-        lens_radius_(options.lens_radius) {
+        lens_radius_(options.lens_radius),
+        with_rims_(options.rims) {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
@@ -94,9 +95,11 @@ class Solver {
     solve();
     if (!stopping()) question_corners();
     while (!stopping() && drop_worst()) solve();
+    for (const JointViewOutcome& view : answer_.views)
+      answer_.plane_misfits.push_back(view.used ? view.misfit : Misfit{});
     if (!stopping()) explain_misfit();
     if (!stopping()) finish();
-    if (!stopping()) add_edges();
+    if (with_rims_ && !stopping()) add_edges();
     return std::move(answer_);
   }
 
@@ -421,6 +424,7 @@ class Solver {
   std::size_t lidars_;
   PlateRims rims_;
   std::vector<double> lens_radius_;
+  bool with_rims_;
   std::vector<LidarReturns> returns_;  ///< by LiDAR
   DoubtPriors doubt_priors_;
   JointInput input_;

@@ -25,6 +25,7 @@ struct JointOptions {
   DoubtPriors doubt_priors;  ///< of what is believed until the corners contradict it
   std::vector<RelativePrior> relative;
   std::vector<double> lens_radius;  ///< by LiDAR, m, see `lens_gain`; 0 or empty: nothing to ask
+  bool rims = true;                 ///< false: planes alone
   std::stop_token stop = {};        ///< once this is asked for it gives up soon, and the answer means nothing
 };
 
@@ -56,9 +57,12 @@ struct JointAnswer {
   std::vector<double> outline_offset;  ///< by LiDAR, m: rms distance, in the plane, from the plates' centres
                                        ///< as their rims show them to where the answer without rims has them:
                                        ///< an independent check; NaN: none
-  int edges = 0;                       ///< sides of plates in the answer
-  bool edges_dropped = false;          ///< the rims contradict the rest and are not in the answer
-  double variance_factor = 1;          ///< >= 1: how much the views disagree beyond their noise
+  /// By view: the misfit that planes and noise leave, before rims and before errors were found to explain it;
+  /// all 0 where the view is not used.
+  std::vector<Misfit> plane_misfits;
+  int edges = 0;                  ///< sides of plates in the answer
+  bool edges_dropped = false;     ///< the rims contradict the rest and are not in the answer
+  double variance_factor = 1;     ///< >= 1: how much the views disagree beyond their noise
   Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
                                   ///< empty when any such set would not determine it
 };

@@ -25,14 +25,12 @@ inline constexpr double convincing_freedom_gain = 6.9;
 inline constexpr RimFreedom rim_freedom{0.005, 0.01};
 
 /// The same for beams that begin in a lens `radius` [m] in front of the axis instead of where the points have
-/// them, with `free` as found. 0 also where they already begin there.
+/// them, with `free` as found.
 double lens_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack,
                  const RimFreedom& free, double radius);
-/// The manuals speak for the lens: what is more probable is believed. (Beams that do begin on the axis show
-/// it: e^50 to one against the lens, and more, with five simulated views of a VLP-16.)
-inline constexpr double convincing_lens_gain = 0;
 
-/// The views as LiDAR `lidar` would have seen them had its points been computed with that lens.
-std::vector<ViewSights> through_lens(std::vector<ViewSights> views, std::size_t lidar, double radius);
+/// How far up the axis a beam in this direction through that lens meets it, m.
+float height_through_lens(const Eigen::Vector3f& way, double radius);
+void move_through_lens(EdgeCrossing& crossing, double radius);
 
 }  // namespace ca2

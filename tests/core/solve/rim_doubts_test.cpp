@@ -61,30 +61,5 @@ TEST(RimDoubts, FewRimsTellNothing) {
   EXPECT_EQ(Holds(0, {}).lens(), 0);
 }
 
-TEST(RimDoubts, BeamsThatAreKnownToBeginInTheLensAreNotDoubted) {
-  Holds holds(10, {.dilation = {0.001, 0}, .lens = 0.04});
-  for (auto& list : holds.crossings) {
-    for (EdgeCrossing& crossing : list) {
-      crossing.inside_height = -0.04f * crossing.inside.z() / crossing.inside.head<2>().norm();
-      crossing.outside_height = -0.04f * crossing.outside.z() / crossing.outside.head<2>().norm();
-    }
-  }
-  EXPECT_EQ(holds.lens(), 0);
-}
-
-TEST(RimDoubts, PointsMoveToWhereBeamsThroughTheLensHaveThem) {
-  ViewSights view;
-  view.lidars.resize(1);
-  LidarSight& sight = view.lidars[0].emplace_back();
-  sight.on_board.push_back({{3, 4, 2.5}});
-  sight.crossings.push_back({{0.6f, 0, 0.8f}, {0, 0.8f, -0.6f}});
-  const std::vector<ViewSights> moved = through_lens({view}, 0, 0.04);
-  const LidarSight& now = moved[0].lidars[0][0];
-  EXPECT_FLOAT_EQ(now.on_board[0].height, -0.02f);
-  EXPECT_FLOAT_EQ(now.on_board[0].point.z(), 2.48f);
-  EXPECT_FLOAT_EQ(now.crossings[0].inside_height, -0.04f * 0.8f / 0.6f);
-  EXPECT_FLOAT_EQ(now.crossings[0].outside_height, 0.04f * 0.6f / 0.8f);
-}
-
 }  // namespace
 }  // namespace ca2
