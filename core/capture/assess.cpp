@@ -20,6 +20,8 @@ constexpr double periods_kept = 4.5;
 constexpr double enough_scans = 0.7;
 // When a hold began is seen while it lasts, and differently by every picture: by less than this.
 constexpr std::int64_t settling = 150'000'000;  // ns
+// The same of a hold that has lasted for a while: by a picture or two.
+constexpr std::int64_t settled = 60'000'000;  // ns
 
 std::string silent_sensors(const Tracks& tracks, std::int64_t now) {
   std::string list;
@@ -170,7 +172,8 @@ void release_unneeded(Tracks& tracks, const CaptureOptions& options, const Asses
   const auto oldest = [&](std::int64_t newest, std::int64_t lag) {
     if (decided) return std::min(*decided, newest - settling);
     if (assessment.phase == Assessment::Phase::absent) return newest - settling - lag;
-    return std::min(assessment.since, newest) - settling - (held ? 0 : lag);
+    if (held) return std::min(assessment.since, newest) - settled;
+    return std::min(assessment.since, newest) - settling - lag;
   };
   for (CameraTrack& camera : tracks.cameras) {
     if (camera.newest()) camera.release_before(oldest(camera.newest()->time, 0));

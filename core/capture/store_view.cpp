@@ -19,32 +19,23 @@ Result<ViewSights> store_view(Session& session, StoreView& view, const StoreProg
   Result<ViewWriter> writer = ViewWriter::begin(session.directory, view.id, view.details);
   if (!writer) return fail(writer.error());
   std::vector<SensorFile> files;
-  const auto begin_file = [&](const std::string& sensor, bool is_image,
-                              const Result<std::uint64_t>& content) -> SensorFile& {
+  const auto add_file = [&](const std::string& sensor, bool is_image, std::uint64_t content) {
     SensorFile& file = files.emplace_back();
     file.view = session.views.size();
     file.sensor = sensor;
     file.is_image = is_image;
-    file.content = *content;
-    return file;
+    file.content = content;
   };
   for (const auto& [name, image] : view.images) {
     const auto content = writer->add(name, image, PngData::stored);
     if (!content) return fail(content.error());
-    progress(StoreStep::searching);
-    search_image(begin_file(name, true, content), session.rig.board, image);
-    progress(StoreStep::saving);
+    add_file(name, true, *content);
   }
   for (auto& [name, scans] : view.scans) {
     if (scans.size() > 1) scans = {std::make_shared<const Scan>(gathered_scan(std::move(scans)))};
-    const Scan& scan = *scans.front();
-    const auto content = writer->add(name, scan);
+    const auto content = writer->add(name, *scans.front());
     if (!content) return fail(content.error());
-    SensorFile& file = begin_file(name, false, content);
-    file.pick = pick_of(view, name);
-    progress(StoreStep::searching);
-    search_cloud(file, session.rig.board, scan);
-    progress(StoreStep::saving);
+    add_file(name, false, *content);
   }
   Result<SessionView> written = writer->finish();
   if (!written) return fail(written.error());
@@ -52,6 +43,18 @@ Result<ViewSights> store_view(Session& session, StoreView& view, const StoreProg
     file.path = (file.is_image ? written->images : written->clouds).at(file.sensor);
   session.views.push_back(std::move(*written));
   progress(StoreStep::searching);
+  // It is on the disk: what has been searched is let go of, the largest first.
+  for (SensorFile& file : files) {
+    if (file.is_image) continue;
+    file.pick = pick_of(view, file.sensor);
+    search_cloud(file, session.rig.board, *view.scans.at(file.sensor).front());
+    view.scans.erase(file.sensor);
+  }
+  for (SensorFile& file : files) {
+    if (!file.is_image) continue;
+    search_image(file, session.rig.board, view.images.at(file.sensor));
+    view.images.erase(file.sensor);
+  }
   keep_found(session, files);
   return view_sights(session, std::move(files));
 }

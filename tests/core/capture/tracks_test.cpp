@@ -73,6 +73,8 @@ TEST(Tracks, LetGoOfWhatIsInNoViewAnyMore) {
   for (const CameraObservation* held : track.between(assessment.since, assessment.newest)) {
     EXPECT_TRUE(held->image) << "of the hold";
   }
+  EXPECT_EQ(with_image(track), static_cast<int>(track.between(assessment.since, assessment.newest).size()))
+      << "and no more";
   const std::int64_t asked = track.newest()->time - 500'000'000;
   release_unneeded(tracks, options, assessment, asked);
   EXPECT_EQ(with_image(track), 6) << "since somebody asked for another view";
