@@ -118,8 +118,12 @@ bool CornerField::project(const CornerModel& model) {
     if (!pixel) return false;
     const Eigen::Matrix2d& W = corner.whitening;
     e_.col(static_cast<Eigen::Index>(i)) = W * (*pixel - corner.pixel);
-    const Eigen::Matrix<double, 2, 3> by_translation = W * jacobian.point * T_camera_board.R;
-    const Eigen::Matrix<double, 3, 2> by_rotation = skew(printed) * by_translation.transpose();
+    Eigen::Matrix<double, 2, 3> whitened;
+    whitened.row(0) = W(0, 0) * jacobian.point.row(0);
+    whitened.row(1) = W(1, 0) * jacobian.point.row(0) + W(1, 1) * jacobian.point.row(1);
+    const Eigen::Matrix<double, 2, 3> by_translation = whitened.lazyProduct(T_camera_board.R);
+    const Eigen::Vector2d by_x = by_translation.col(0), by_y = by_translation.col(1),
+                          by_z = by_translation.col(2);
     // Number by number: blocks of a size that is not known when this is compiled cost more than what is in
     // them.
     double* J = J_.data() + 2 * i;
@@ -128,7 +132,10 @@ bool CornerField::project(const CornerModel& model) {
       J[1] = y;
       J += J_.cols();
     };
-    for (Eigen::Index k = 0; k < 3; ++k) put(by_rotation(k, 0), by_rotation(k, 1));
+    // By a turn: what is printed lies in the plane z = 0.
+    put(printed.y() * by_z.x(), printed.y() * by_z.y());
+    put(-printed.x() * by_z.x(), -printed.x() * by_z.y());
+    put(printed.x() * by_y.x() - printed.y() * by_x.x(), printed.x() * by_y.y() - printed.y() * by_x.y());
     for (Eigen::Index k = 0; k < 3; ++k) put(by_translation(0, k), by_translation(1, k));
     for (Eigen::Index k = 0; k < moves_.size(); ++k) {
       const double x = jacobian.parameters(0, k), y = jacobian.parameters(1, k);

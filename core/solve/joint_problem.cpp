@@ -1,5 +1,6 @@
 #include "core/solve/joint_problem.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -16,19 +17,6 @@ namespace {
 
 /// Holds a value that has no freedom: 1e-9 of its unit.
 constexpr double held = 1e18;
-
-using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// S -= A'B, which is symmetric: the lower triangle only. Small ones are not worth what a general product
-/// does to begin with.
-void subtract_product(const Rows& A, const Rows& B, Eigen::MatrixXd& S) {
-  for (Eigen::Index column = 0; column < S.cols(); ++column) {
-    const Eigen::Index size = S.rows() - column;
-    auto below = S.col(column).tail(size);
-    for (Eigen::Index k = 0; k < 6; k += 2)
-      below -= (B(k, column) * A.row(k).tail(size) + B(k + 1, column) * A.row(k + 1).tail(size)).transpose();
-  }
-}
 
 /// Information of a prior with this standard deviation; 0 holds the value.
 double known_to(double sigma) {
@@ -105,9 +93,9 @@ void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_boar
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const auto from = static_cast<Eigen::Index>(6 + k);
     equations.Hvg.col(numbers[k]) += sensor.H.template block<6, 1>(0, from);
-    equations.gg(numbers[k]) += sensor.g(from);
+    own_.g(numbers[k]) += sensor.g(from);
     for (std::size_t j = 0; j < numbers.size(); ++j)
-      equations.Hgg(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
+      own_.H(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
   }
   if (pose < 0) return;
   // T_sensor_board = T_ref_sensor^-1 T_ref_board: perturbing the sensor by d perturbs it by
@@ -115,22 +103,19 @@ void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_boar
   const Matrix6d A = -adjoint(T_sensor_board.inverse());
   const Matrix6d HA = H * A;
   equations.Hvg.middleCols<6>(pose) += HA;
-  equations.Hgg.block<6, 6>(pose, pose) += A.transpose() * HA;
-  equations.gg.segment<6>(pose) += A.transpose() * g;
+  own_.H.block<6, 6>(pose, pose) += A.transpose() * HA;
+  own_.g.segment<6>(pose) += A.transpose() * g;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const Vector6d mixed = A.transpose() * sensor.H.template block<6, 1>(0, static_cast<Eigen::Index>(6 + k));
-    equations.Hgg.block<6, 1>(pose, numbers[k]) += mixed;
-    equations.Hgg.block<1, 6>(numbers[k], pose) += mixed.transpose();
+    own_.H.block<6, 1>(pose, numbers[k]) += mixed;
+    own_.H.block<1, 6>(numbers[k], pose) += mixed.transpose();
   }
 }
 
 double JointProblem::linearize_view(const State& state, std::size_t view) {
   ViewEquations& equations = views_[view];
-  equations.Hvv.setZero();
-  equations.Hvg.setZero(6, globals_);
-  equations.Hgg.setZero(globals_, globals_);
-  equations.gg.setZero(globals_);
-  equations.gv.setZero();
+  equations.clear(globals_);
+  own_.clear(globals_);
   double cost = 0;
   for (int c = 0; c < cameras_; ++c) {
     CornerField& corners = corners_[view][static_cast<std::size_t>(c)];
@@ -160,13 +145,13 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
   return cost;
 }
 
-double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const {
+double JointProblem::add_priors(const State& state, GlobalEquations* equations) const {
   double cost = 0;
   const auto add = [&](int index, double error, double information) {
     cost += 0.5 * information * error * error;
-    if (!H) return;
-    (*H)(index, index) += information;
-    (*g)(index) += information * error;
+    if (!equations) return;
+    equations->H(index, index) += information;
+    equations->g(index) += information * error;
   };
   const auto loose = [&](double sigma) { return sigma > 0 && input_.nuisances ? 0 : known_to(sigma); };
   for (int c = 0; c < cameras_; ++c) {
@@ -192,9 +177,10 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     const Eigen::VectorXd d = deviations(state);
     const Eigen::VectorXd pulled = input_.nuisances->information * d - input_.nuisances->pull;
     cost += 0.5 * d.dot(pulled - input_.nuisances->pull);
-    if (H) {
-      H->block(intrinsics_index(0), intrinsics_index(0), d.size(), d.size()) += input_.nuisances->information;
-      g->segment(intrinsics_index(0), d.size()) += pulled;
+    if (equations) {
+      equations->H.block(intrinsics_index(0), intrinsics_index(0), d.size(), d.size()) +=
+          input_.nuisances->information;
+      equations->g.segment(intrinsics_index(0), d.size()) += pulled;
     }
   }
   for (const RelativePrior& prior : input_.relative) {
@@ -202,7 +188,7 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     const Pose T_a_b = sensor_pose(state, prior.a).inverse() * sensor_pose(state, prior.b);
     const Vector6d e = prior.T_a_b.difference(T_a_b);
     cost += 0.5 * e.dot(prior.information * e);
-    if (!H) continue;
+    if (!equations) continue;
     Eigen::Matrix<double, 6, Eigen::Dynamic> J = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, globals_);
     // Of e by a perturbation of b: the error's own rotation turns it.
     Matrix6d by_b = Matrix6d::Zero();
@@ -210,24 +196,22 @@ double JointProblem::add_priors(const State& state, Eigen::MatrixXd* H, Eigen::V
     by_b.bottomRightCorner<3, 3>() = prior.T_a_b.R.transpose() * T_a_b.R;
     if (sensor_index(prior.b) >= 0) J.middleCols<6>(sensor_index(prior.b)) += by_b;
     if (sensor_index(prior.a) >= 0) J.middleCols<6>(sensor_index(prior.a)) -= by_b * adjoint(T_a_b.inverse());
-    *H += J.transpose() * prior.information * J;
-    *g += J.transpose() * prior.information * e;
+    equations->H += J.transpose() * prior.information * J;
+    equations->g += J.transpose() * prior.information * e;
   }
   return cost;
 }
 
 double JointProblem::linearize(const State& state) {
-  total_H_.setZero(globals_, globals_);
-  total_g_.setZero(globals_);
+  total_.clear(globals_);
   double cost = 0;
   for (std::size_t v = 0; v < views_.size(); ++v) {
     cost += linearize_view(state, v);
-    total_H_ += views_[v].Hgg;
-    total_g_ += views_[v].gg;
+    total_.H += own_.H;
+    total_.g += own_.g;
   }
-  prior_H_.setZero(globals_, globals_);
-  prior_g_.setZero(globals_);
-  return cost + add_priors(state, &prior_H_, &prior_g_);
+  prior_.clear(globals_);
+  return cost + add_priors(state, &prior_);
 }
 
 double JointProblem::cost(const State& state) const {
@@ -242,69 +226,30 @@ double JointProblem::cost(const State& state) const {
     }
     for (int l = 0; l < lidars_; ++l) cost += lidar_cost(state, v, l, nullptr);
   }
-  return cost + add_priors(state, nullptr, nullptr);
-}
-
-bool JointProblem::eliminate(const ViewEquations& view, double damping, Elimination& result) {
-  Matrix6d Hvv = view.Hvv;
-  Hvv.diagonal() +=
-      damping * view.Hvv.diagonal() + Vector6d::Constant(1e-12 * view.Hvv.diagonal().maxCoeff());
-  result.ldlt.compute(Hvv);
-  if (result.ldlt.info() != Eigen::Success) return false;
-  result.rows = view.Hvg;
-  result.right = view.gv;
-  const auto& swaps = result.ldlt.transpositionsP();
-  const Matrix6d& L = result.ldlt.matrixLDLT();
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    if (swaps.coeff(i) == i) continue;
-    result.rows.row(i).swap(result.rows.row(swaps.coeff(i)));
-    std::swap(result.right(i), result.right(swaps.coeff(i)));
-  }
-  for (Eigen::Index i = 1; i < 6; ++i) {
-    for (Eigen::Index k = 0; k < i; ++k) {
-      result.rows.row(i) -= L(i, k) * result.rows.row(k);
-      result.right(i) -= L(i, k) * result.right(k);
-    }
-  }
-  for (Eigen::Index i = 0; i < 6; ++i) {
-    const double d = L(i, i);
-    result.inverse(i) = std::abs(d) > std::numeric_limits<double>::min() ? 1 / d : 0;
-  }
-  return true;
+  return cost + add_priors(state, nullptr);
 }
 
 std::optional<Eigen::VectorXd> JointProblem::step(double damping) {
-  Eigen::MatrixXd S = prior_H_ + total_H_;
-  Eigen::VectorXd r = prior_g_ + total_g_;
+  Eigen::MatrixXd S = prior_.H + total_.H;
+  Eigen::VectorXd r = prior_.g + total_.g;
   S.diagonal() *= 1 + damping;
-  Rows weighted(6, globals_);
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    Elimination& view = eliminated_[v];
-    if (!eliminate(views_[v], damping, view)) return std::nullopt;
-    weighted = view.inverse.asDiagonal() * view.rows;
-    subtract_product(weighted, view.rows, S);
-    r.noalias() -= weighted.transpose().lazyProduct(view.right);
+    if (!eliminated_[v].eliminate(views_[v], damping)) return std::nullopt;
+    eliminated_[v].subtract_from(S, r);
   }
   const Eigen::LDLT<Eigen::MatrixXd> ldlt(S);  // of its lower triangle
   if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) return std::nullopt;
   Eigen::VectorXd step(globals_ + 6 * static_cast<Eigen::Index>(views_.size()));
   step.head(globals_) = -ldlt.solve(r);
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    // L' x = -D^-1 (L^-1 P (gv + Hvg dg)), then P'.
-    const Elimination& view = eliminated_[v];
-    Vector6d x = view.right;
-    x.noalias() += view.rows.lazyProduct(step.head(globals_));
-    x = -view.inverse.cwiseProduct(x);
-    view.ldlt.matrixU().solveInPlace(x);
-    step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v)) =
-        view.ldlt.transpositionsP().transpose() * x;
+    step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v)) = eliminated_[v].step(step.head(globals_));
   }
   return step;
 }
 
 double JointProblem::predicted_decrease(const Eigen::VectorXd& step) const {
   const Eigen::VectorXd dg = step.head(globals_);
-  double model = (prior_g_ + total_g_).dot(dg) + 0.5 * dg.dot(prior_H_ * dg) + 0.5 * dg.dot(total_H_ * dg);
+  double model = (prior_.g + total_.g).dot(dg) + 0.5 * dg.dot(prior_.H * dg) + 0.5 * dg.dot(total_.H * dg);
   for (std::size_t v = 0; v < views_.size(); ++v) {
     const Vector6d dv = step.segment<6>(globals_ + 6 * static_cast<Eigen::Index>(v));
     const ViewEquations& view = views_[v];
@@ -390,26 +335,26 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) {
   return misfit;
 }
 
-void JointProblem::view_share(std::size_t view, Eigen::MatrixXd& information,
-                              Eigen::VectorXd& gradient) const {
+void JointProblem::view_share(const State& state, std::size_t view, Eigen::MatrixXd& information,
+                              Eigen::VectorXd& gradient) {
+  linearize_view(state, view);
   Elimination eliminated;
-  eliminate(views_[view], 0, eliminated);
-  const Rows weighted = eliminated.inverse.asDiagonal() * eliminated.rows;
-  information = views_[view].Hgg;
-  subtract_product(weighted, eliminated.rows, information);
+  eliminated.eliminate(views_[view], 0);
+  information = own_.H;
+  gradient = own_.g;
+  eliminated.subtract_from(information, gradient);
   information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
-  gradient = views_[view].gg;
-  gradient.noalias() -= weighted.transpose().lazyProduct(eliminated.right);
 }
 
 Eigen::MatrixXd JointProblem::information() const {
-  Eigen::MatrixXd total = prior_H_;
-  Eigen::MatrixXd share;
-  Eigen::VectorXd gradient;
-  for (std::size_t v = 0; v < views_.size(); ++v) {
-    view_share(v, share, gradient);
-    total += share;
+  Eigen::MatrixXd total = prior_.H + total_.H;
+  Eigen::VectorXd gradient = total_.g;
+  Elimination eliminated;
+  for (const ViewEquations& view : views_) {
+    eliminated.eliminate(view, 0);
+    eliminated.subtract_from(total, gradient);
   }
+  total.triangularView<Eigen::StrictlyUpper>() = total.transpose();
   return total;
 }
 

@@ -1,7 +1,6 @@
 /// @file The maximum-likelihood problem of a whole rig: corners, ranges along the rays, and priors.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <optional>
 #include <span>
@@ -15,6 +14,7 @@
 #include "core/solve/misfit.h"
 #include "core/solve/nuisance_prior.h"
 #include "core/solve/range_sums.h"
+#include "core/solve/view_elimination.h"
 
 namespace ca2 {
 
@@ -127,37 +127,23 @@ class JointProblem {
   /// where they are all held or the views determine nothing without them.
   std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
 
-  /// One view's share of `information()` and of the marginal gradient: what leaving it out takes away.
-  void view_share(std::size_t view, Eigen::MatrixXd& information, Eigen::VectorXd& gradient) const;
+  /// One view's share of `information()` and of the marginal gradient, at the state last linearised: what
+  /// leaving it out takes away.
+  void view_share(const State& state, std::size_t view, Eigen::MatrixXd& information,
+                  Eigen::VectorXd& gradient);
 
  private:
-  /// Of one view, by its board pose (v) and the globals (g).
-  struct ViewEquations {
-    Matrix6d Hvv;
-    Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> Hvg;
-    Eigen::MatrixXd Hgg;
-    Eigen::VectorXd gg;
-    Vector6d gv;
-  };
-  /// Of one view with its board pose eliminated: Hvv = P'LDL'P.
-  struct Elimination {
-    Eigen::LDLT<Matrix6d> ldlt;
-    Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor> rows;  ///< L^-1 P Hvg
-    Vector6d right;                                                  ///< L^-1 P gv
-    Vector6d inverse;                                                ///< of D; 0 where D is
-  };
-  static bool eliminate(const ViewEquations& view, double damping, Elimination& result);
-
   Pose sensor_board(const State& state, int sensor, std::size_t view) const;
   /// Cost of one LiDAR in one view, with its derivatives where asked for.
   double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
+  /// Puts the view's equations into `views_` and `own_`.
   double linearize_view(const State& state, std::size_t view);
   /// `sensor`: SensorEquations or CameraEquations; `numbers`: places of the sensor's own among the globals.
   template <typename Equations>
-  static void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
-                         std::span<const int> numbers, ViewEquations& equations);
+  void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose, std::span<const int> numbers,
+                  ViewEquations& equations);
   double corner_scale(int camera) const;
-  double add_priors(const State& state, Eigen::MatrixXd* H, Eigen::VectorXd* g) const;
+  double add_priors(const State& state, GlobalEquations* equations) const;
   Eigen::VectorXd deviations(const State& state) const;  ///< in the order of JointInput::nuisances
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference
@@ -169,10 +155,9 @@ class JointProblem {
   std::vector<std::vector<CornerField>> corners_;  ///< [view][camera]
   std::vector<ViewEquations> views_;
   std::vector<Elimination> eliminated_;
-  Eigen::MatrixXd prior_H_;
-  Eigen::VectorXd prior_g_;
-  Eigen::MatrixXd total_H_;  ///< of all views' Hgg
-  Eigen::VectorXd total_g_;
+  GlobalEquations prior_;
+  GlobalEquations own_;    ///< of the view last linearised
+  GlobalEquations total_;  ///< of all views
 };
 
 /// Three or four views leave too little over to say that given values are right.

@@ -404,10 +404,10 @@ class Solver {
     const Misfit misfit = total_misfit();
     answer_.variance_factor = std::max(misfit_excess(misfit.lidars, misfit.lidar_freedom),
                                        misfit_excess(misfit.cameras, misfit.camera_freedom));
-    invert();
+    invert(active);
   }
 
-  void invert() {
+  void invert(const JointState& active) {
     const Eigen::MatrixXd information = problem_->information();
     const auto covariance = scaled_inverse(information);
     if (!covariance) {
@@ -416,7 +416,8 @@ class Solver {
       return;
     }
     answer_.covariance = answer_.variance_factor * *covariance;
-    if (active_.size() >= 4) answer_.leave_one_out = leave_one_out(*problem_, information, active_.size());
+    if (active_.size() >= 4)
+      answer_.leave_one_out = leave_one_out(*problem_, active, information, active_.size());
   }
 
   const InkMap ink_;

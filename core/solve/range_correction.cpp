@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/solve/tridiagonal.h"
+
 namespace ca2 {
 namespace {
 
@@ -96,24 +98,16 @@ class Tridiagonal {
 Probable most_probable(const Offsets& problem) {
   static constexpr double sizes[] = {0, 0.001, 0.002, 0.004, 0.008, 0.016};  // m
   const Eigen::Index many = problem.split, few = problem.S.rows() - many;
-  Eigen::VectorXd diagonal, beside;
   Eigen::MatrixXd turned(many, few + 1);  // Q' (S12, g1)
   turned << problem.S.topRightCorner(many, few), problem.g.head(many);
-  std::optional<Eigen::Tridiagonalization<Eigen::MatrixXd>> shape;
-  if (many > 1) {
-    shape.emplace(problem.S.topLeftCorner(many, many));
-    diagonal = shape->diagonal();
-    beside = shape->subDiagonal();
-    turned.applyOnTheLeft(shape->matrixQ().adjoint());
-  } else {
-    diagonal = problem.S.diagonal().head(many);
-  }
+  const Tridiagonalized shape(problem.S.topLeftCorner(many, many));
+  shape.turn(turned);
   const Eigen::MatrixXd S22 = problem.S.bottomRightCorner(few, few);
   Probable best{Eigen::VectorXd::Zero(problem.S.rows()), 0};
   double best_evidence = 0;  // of no offsets at all
   for (const double first : sizes) {
     if (first > 0 && many == 0) break;
-    const Tridiagonal factor(diagonal, beside, first);
+    const Tridiagonal factor(shape.diagonal(), shape.beside(), first);
     const Eigen::MatrixXd K = first * first * turned.transpose() * factor.solve(turned);
     const double base = 0.5 * K(few, few) - 0.5 * factor.log_determinant();
     for (const double second : sizes) {
@@ -132,7 +126,7 @@ Probable most_probable(const Offsets& problem) {
       best.offsets.tail(few) = second * x;
       Eigen::MatrixXd others =
           first * first * factor.solve(turned.col(few) - turned.leftCols(few) * best.offsets.tail(few));
-      if (shape) others.applyOnTheLeft(shape->matrixQ());
+      shape.turn_back(others);
       best.offsets.head(many) = others;
     }
   }
@@ -193,13 +187,18 @@ RangeCorrection estimate_range_correction(const RangeClasses& classes,
     const Eigen::LDLT<Eigen::Matrix3d> ldlt(board.JJ.topLeftCorner<3, 3>());
     if (ldlt.info() != Eigen::Success || !ldlt.isPositive()) continue;
     const Eigen::Vector3d by_plane = ldlt.solve(-board.rJ.head<3>());
-    for (const Eigen::Index i : touched) {
-      const Eigen::Vector3d solved = ldlt.solve(Hqa.col(i));
-      g(i) -= Hqa.col(i).dot(by_plane);
-      for (const Eigen::Index k : touched) H(k, i) -= Hqa.col(k).dot(solved);
+    // The lower triangle.
+    std::sort(touched.begin(), touched.end());
+    for (std::size_t i = 0; i < touched.size(); ++i) {
+      const auto here = Hqa.col(touched[i]);
+      const Eigen::Vector3d solved = ldlt.solve(here);
+      g(touched[i]) -= here.dot(by_plane);
+      double* column = &H(0, touched[i]);
+      for (std::size_t k = i; k < touched.size(); ++k) column[touched[k]] -= Hqa.col(touched[k]).dot(solved);
     }
   }
   if (total < 4 * static_cast<double>(classes.rings + RangeClasses::bins)) return {};
+  H.triangularView<Eigen::StrictlyUpper>() = H.transpose();
   Offsets problem{H / (sigma * sigma), g / (sigma * sigma), rings};
   std::optional<Eigen::ColPivHouseholderQR<Eigen::MatrixXd>> held;
   Eigen::Index rank = 0;

@@ -59,7 +59,7 @@ class KannalaBrandt final : public CameraModel {
   std::optional<Eigen::Vector2d> project(const CameraParameters& parameters, const Eigen::Vector3d& point,
                                          ProjectionJacobian* jacobian) const override {
     const double z = point.z();
-    const double rho = std::hypot(point.x(), point.y());
+    const double rho = std::sqrt(point.x() * point.x() + point.y() * point.y());
     if (!std::isfinite(rho) || !std::isfinite(z) || (rho == 0 && z <= 0)) return std::nullopt;
     const double theta = std::atan2(rho, z);
     const Polynomial polynomial(parameters);
@@ -73,20 +73,19 @@ class KannalaBrandt final : public CameraModel {
           rho > 0 ? Eigen::Vector2d(point.head<2>() / rho) : Eigen::Vector2d::UnitX();  // away from the axis
       const double slope = polynomial.derivative(theta) / (rho * rho + z * z);
       // Along n the radius follows theta (d theta / d rho = z / |p|^2), across it turns with the point.
-      const Eigen::Matrix2d nn = n * n.transpose();
-      jacobian->point.leftCols<2>() =
-          focal.asDiagonal() * Eigen::Matrix2d(scale * (Eigen::Matrix2d::Identity() - nn) + slope * z * nn);
-      jacobian->point.col(2) = -slope * focal.cwiseProduct(point.head<2>());
+      const double along = slope * z - scale, mixed = along * n.x() * n.y();
+      jacobian->point << focal.x() * (scale + along * n.x() * n.x()), focal.x() * mixed,
+          -slope * focal.x() * point.x(), focal.y() * mixed, focal.y() * (scale + along * n.y() * n.y()),
+          -slope * focal.y() * point.y();
       auto& by_parameters = jacobian->parameters;
-      by_parameters.setZero(2, 8);
-      by_parameters(0, 0) = distorted.x();
-      by_parameters(1, 1) = distorted.y();
-      by_parameters(0, 2) = 1;
-      by_parameters(1, 3) = 1;
+      by_parameters.resize(2, 8);
+      by_parameters.leftCols<4>() << distorted.x(), 0, 1, 0, 0, distorted.y(), 0, 1;
+      const Eigen::Vector2d outwards = focal.cwiseProduct(n);
       double power = theta;
       for (int i = 0; i < 4; ++i) {
         power *= theta * theta;
-        by_parameters.col(4 + i) = power * focal.cwiseProduct(n);
+        by_parameters(0, 4 + i) = power * outwards.x();
+        by_parameters(1, 4 + i) = power * outwards.y();
       }
     }
     return Eigen::Vector2d(focal.cwiseProduct(distorted) + parameters.segment<2>(2));
