@@ -1,17 +1,39 @@
 #include "core/solve/plate_rims.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/solve/rim_doubts.h"
 
 namespace ca2 {
+namespace {
+
+/// Two ways of placing the plate about the pattern, where nobody knows which end is which.
+bool either_way(const Board& board) {
+  return board.type->half_turn_ambiguous(board) && !board.extent().center.isZero();
+}
+
+/// Chi-squared by which rims must prefer one way.
+constexpr double convincing_gain = 20;
+
+/// What is plate either way: the pattern at least.
+Outline common_part(Outline plate) {
+  plate.width = std::max(0.0, plate.width - 2 * std::abs(plate.center.x()));
+  plate.height = std::max(0.0, plate.height - 2 * std::abs(plate.center.y()));
+  plate.center.setZero();
+  return plate;
+}
+
+}  // namespace
 
 PlateRims::PlateRims(const Board& board, const std::vector<ViewSights>& views,
                      const std::vector<std::vector<int>>& chosen, std::size_t lidars)
     : board_(board),
       views_(views),
       chosen_(chosen),
-      outlines_(views.size(), board.extent()),
+      either_way_(either_way(board)),
+      outlines_(views.size(), either_way_ ? common_part(board.extent()) : board.extent()),
       noise_(lidars),
       memos_(views.size() * lidars) {}
 
@@ -42,23 +64,34 @@ std::vector<EdgeView> PlateRims::all_seen(const JointState& state, std::span<con
                                           std::size_t lidar) const {
   std::vector<EdgeView> list;
   for (const std::size_t v : used) {
+    if (!settled(v)) continue;
     if (const auto view = seen(state, v, lidar)) list.push_back(*view);
   }
   return list;
 }
 
+bool PlateRims::settled(std::size_t view) const {
+  return !either_way_ || !outlines_[view].center.isZero();
+}
+
 void PlateRims::settle_half_turns(const JointState& state, std::span<const std::size_t> used) {
-  if (!board_.type->half_turn_ambiguous(board_) || board_.extent().center.isZero()) return;
+  if (!either_way_) return;
+  const Outline stated = board_.extent();
+  // Rims must not be out of reach just because the plate was thought to be the other way round.
+  const double slack = slack_ + 2 * stated.center.norm();
   for (const std::size_t v : used) {
-    double gain = 0;
+    double gain = 0;  // of the plate turned
     for (std::size_t l = 0; l < noise_.size(); ++l) {
       std::optional<EdgeView> view = seen(state, v, l);
       if (!view) continue;
-      gain += edge_misfit(*view, state.dilation[l], noise_[l], slack_);
-      view->outline.center = -view->outline.center;
-      gain -= edge_misfit(*view, state.dilation[l], noise_[l], slack_);
+      view->outline = stated;
+      gain += edge_misfit(*view, state.dilation[l], noise_[l], slack);
+      view->outline.center = -stated.center;
+      gain -= edge_misfit(*view, state.dilation[l], noise_[l], slack);
     }
-    if (gain > 0) outlines_[v].center = -outlines_[v].center;
+    if (std::abs(gain) < convincing_gain) continue;
+    outlines_[v] = stated;
+    if (gain > 0) outlines_[v].center = -stated.center;
   }
 }
 
@@ -109,6 +142,7 @@ std::vector<double> PlateRims::lens_gains(const JointState& state, std::span<con
 }
 
 std::vector<EdgeSums> PlateRims::sums(const JointState& state, std::size_t view, std::size_t lidar) const {
+  if (!settled(view)) return {};
   const auto rim = seen(state, view, lidar);
   if (!rim) return {};
   return edge_sums(*rim, state.dilation[lidar], noise_[lidar], slack_);

@@ -28,9 +28,10 @@ class PlateRims {
   void look_within(double slack) { slack_ = slack; }
   bool in_use() const { return slack_ > 0; }
 
-  /// About a pattern whose ids may start at either end.
+  /// About a pattern whose ids may start at either end; until rims told from which, what is plate either way.
   const Outline& outline(std::size_t view) const { return outlines_[view]; }
-  /// Where the plate's centre is not the pattern's, the rims tell from which end the corners were counted.
+  /// Where the plate's centre is not the pattern's, the rims tell from which end the corners were counted; a
+  /// view whose rims do not has none.
   void settle_half_turns(const JointState& state, std::span<const std::size_t> used);
 
   /// Finds out how well the LiDARs tell where rims are; what only few of them could say is left as it is.
@@ -50,6 +51,7 @@ class PlateRims {
   std::vector<EdgeSums> sums(const JointState& state, std::size_t view, std::size_t lidar) const;
 
  private:
+  bool settled(std::size_t view) const;
   std::span<const EdgeCrossing> crossings(std::size_t view, std::size_t lidar) const;
   std::optional<EdgeView> seen(const JointState& state, std::size_t view, std::size_t lidar) const;
   std::vector<EdgeView> all_seen(const JointState& state, std::span<const std::size_t> used,
@@ -58,6 +60,7 @@ class PlateRims {
   const Board& board_;
   const std::vector<ViewSights>& views_;
   const std::vector<std::vector<int>>& chosen_;
+  bool either_way_;  ///< the plate's centre is not the pattern's, whose ids may start at either end
   std::vector<Outline> outlines_;       ///< by view
   std::vector<EdgeNoise> noise_;        ///< by LiDAR
   mutable std::vector<RimMemo> memos_;  ///< by view, then LiDAR; they change no answer

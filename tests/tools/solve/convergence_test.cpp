@@ -75,5 +75,41 @@ TEST(Convergence, OneCameraCountsTheCornersFromTheOtherEnd) {
   for (const CalibratedView& view : turned->views) EXPECT_TRUE(view.used) << view.reason;
 }
 
+/// What holds the plate: returns from beside its left rim, 15 mm behind it, from near to where a ray went.
+void hold_by_left_rim(const Outline& plate, const Pose& T_lidar_board, LidarSight& sight) {
+  const Eigen::Vector2d left = plate.center - Eigen::Vector2d(plate.width / 2, 0);
+  for (double x = -0.10; x < 0; x += 0.01) {
+    for (double y = -0.05; y < 0.05; y += 0.01) {
+      const Eigen::Vector3d p = T_lidar_board * Eigen::Vector3d(left.x() + x, left.y() + y, 0.015);
+      sight.around.push_back({p.cast<float>(), BoardReturn::no_ring, sight.on_board[0].height});
+    }
+  }
+}
+
+/// The rims tell which way round the plate is; until then nothing beside it may be taken for it.
+TEST(Convergence, APlateOffItsPatternIsFoundEitherWayRound) {
+  ScenarioFile file = load("os0_t265", 2005);
+  const Outline plate{0.56, 0.42, {0.08, 0.05}};
+  file.scenario.board.outline = plate;
+  ASSERT_TRUE(file.scenario.board.type->half_turn_ambiguous(file.scenario.board));
+  const int corners = static_cast<int>(file.scenario.board.type->corners(file.scenario.board).size());
+  const Rig rig = rig_of(file.scenario);
+  std::vector<SimulatedView> views = pool_of(file.scenario, 10);
+  for (std::size_t v = 0; v < views.size(); v += 2) {
+    for (auto& [name, seen] : views[v].corners) turn_ids(seen, corners);
+  }
+  auto sights = sights_of(rig, views);
+  ASSERT_TRUE(sights);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Pose& T_lidar_board = views[v].T_sensor_board.at(rig.lidars.begin()->first);
+    for (LidarSight& sight : (*sights)[v].lidars[0]) hold_by_left_rim(plate, T_lidar_board, sight);
+  }
+  const auto answer = calibrate(rig, *sights, {});
+  ASSERT_TRUE(answer);
+  for (const CalibratedView& view : answer->views) EXPECT_TRUE(view.used) << view.reason;
+  EXPECT_EQ(answer->notes, std::vector<std::string>{});
+  EXPECT_LT(worst_error(*answer, file.scenario).nees / 6, 2.5);
+}
+
 }  // namespace
 }  // namespace ca2
