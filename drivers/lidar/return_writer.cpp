@@ -29,8 +29,8 @@ std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& na
 
 namespace {
 
-constexpr std::size_t spare = 16;   // written beyond the last return
-constexpr std::size_t step = 1024;  // returns for which room is made at a time
+constexpr std::size_t spare = 16;  // written beyond the last return
+constexpr std::size_t step = 256;  // returns for which room is made at a time
 
 /// What `f` says of each of the arrays.
 template <class F>
@@ -39,10 +39,9 @@ auto of_arrays(Scan& scan, F f) {
                     f(scan.ring),   f(scan.column),    f(scan.time)};
 }
 
-using Write = std::size_t(const FiredBeams&, const FiredNames&, const detail::ReturnTargets&);
+}  // namespace
 
-/// What suits this processor.
-Write* fastest() {
+ReturnWriter::Write* ReturnWriter::fastest() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("popcnt")) {
     if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
@@ -55,7 +54,7 @@ Write* fastest() {
   return detail::write_returns_portable;
 }
 
-}  // namespace
+ReturnWriter::ReturnWriter() : write_(fastest()) {}
 
 void ReturnWriter::begin(Scan& scan, std::size_t expected) {
   scan_ = &scan;
@@ -90,8 +89,7 @@ void ReturnWriter::add(const FiredBeams& beams, const FiredNames& names) {
                                   scan_->ring.data() + size_,
                                   scan_->column.data() + size_,
                                   scan_->time.data() + size_};
-  static Write* const write = fastest();
-  size_ += write(beams, names, out);
+  size_ += write_(beams, names, out);
 }
 
 void ReturnWriter::finish() {

@@ -27,10 +27,15 @@ struct FiredNames {
   int first = 0;      ///< of FiredBeams, whose arrays alone begin before what is named here; times eight
 };
 
+namespace detail {
+struct ReturnTargets;
+}  // namespace detail
+
 /// Arrays are written where they are and cut to size at the end: their memory is neither cleared nor copied,
 /// and the system is not asked for it again.
 class ReturnWriter {
  public:
+  ReturnWriter();
   /// Starts over in this scan, which stays where it is; what was in it is lost. `expected`: returns.
   void begin(Scan& scan, std::size_t expected);
   void add(const FiredBeams& beams, const FiredNames& names);
@@ -40,9 +45,12 @@ class ReturnWriter {
   std::size_t size() const { return size_; }
 
  private:
+  using Write = std::size_t(const FiredBeams&, const FiredNames&, const detail::ReturnTargets&);
+  static Write* fastest();  ///< what suits this processor
   void resize(std::size_t returns);
   void grow(std::size_t needed);
 
+  Write* write_;
   Scan* scan_ = nullptr;
   std::size_t expected_ = 0;
   std::size_t room_ = 0;    ///< what the smallest of the arrays holds

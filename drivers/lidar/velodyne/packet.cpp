@@ -32,7 +32,7 @@ Layout hdl_64e_layout(const std::uint8_t* packet) {
 }
 
 /// `bits`: the number of banks is two to the power of these.
-Place find_place(Layout layout, int block, int bits) {
+__attribute__((always_inline)) inline Place find_place(Layout layout, int block, int bits) {
   // With pairs and triples the strongest comes second on the wire and is given out first.
   constexpr int order[] = {1, 0, -1};
   switch (layout) {
@@ -87,18 +87,34 @@ void steps_by_time(VelodyneFirings& firings) {
   for (int i = 0; i < firings.count; ++i) firings.firing[static_cast<std::size_t>(i)].step.fill(step);
 }
 
+using Steps = std::array<int, P::blocks - 1>;
+
+/// What stands at `place` in order of size. A spinning head's steps are two or three numbers again and again,
+/// so that to count what is smaller is quicker than to sort.
+int in_order_of_size(const Steps& steps, int place) {
+  for (const int step : steps) {
+    int smaller = 0, not_larger = 0;
+    for (const int other : steps) {
+      smaller += other < step;
+      not_larger += other <= step;
+    }
+    if (smaller <= place && place < not_larger) return step;
+  }
+  return 0;  // not reached: some number is always there
+}
+
 /// VeloView's: the seventh of the eleven steps from block to block in order of size, which is a step and not
 /// a zero where blocks come in pairs.
 void steps_of_veloview(VelodyneFirings& firings, const std::uint8_t* packet) {
-  std::array<int, P::blocks - 1> steps;
+  Steps steps;
   for (int b = 0; b + 1 < P::blocks; ++b) {
     steps[static_cast<std::size_t>(b)] =
         signed_step(P::azimuth(P::block(packet, b)), P::azimuth(P::block(packet, b + 1)));
   }
-  std::nth_element(steps.begin(), steps.begin() + P::blocks / 2, steps.end());
+  const int step = in_order_of_size(steps, P::blocks / 2);
   for (int i = 0; i < firings.count; ++i) {
     VelodyneFiring& firing = firings.firing[static_cast<std::size_t>(i)];
-    firing.step.fill(steps[P::blocks / 2]);
+    firing.step.fill(step);
     firing.rounded = true;
   }
 }
