@@ -14,6 +14,7 @@
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
+#include "core/solve/view_use.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -54,14 +55,6 @@ void worsen(Observability& all, const Observability& one) {
       (all.verdict == one.verdict && one.condition > all.condition)) {
     all = one;
   }
-}
-
-/// Views in which LiDAR `l` and any camera had something to offer.
-int candidate_views(const std::vector<ViewSights>& views, std::size_t l) {
-  return static_cast<int>(std::count_if(views.begin(), views.end(), [&](const ViewSights& view) {
-    return !view.lidars[l].empty() &&
-           std::any_of(view.cameras.begin(), view.cameras.end(), [](const auto& c) { return c.has_value(); });
-  }));
 }
 
 // --- The joint method
@@ -137,7 +130,7 @@ class JointReport {
       transform.covariance = Matrix6d::Identity() * std::numeric_limits<double>::infinity();
     }
     evidence.covariance = transform.covariance;
-    evidence.candidates = candidate_views(views_, l);
+    evidence.candidates = static_cast<int>(candidate_views(views_, l));
     double variance = 0;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!answer_.views[v].used || answer_.chosen[v][l] < 0) continue;
@@ -288,8 +281,13 @@ Result<Calibration> calibrate_planes(const Rig& rig, const Names& names, const s
   for (std::size_t c = 0; c < names.cameras.size(); ++c) {
     for (std::size_t l = 0; l < names.lidars.size(); ++l) {
       std::vector<PlanePair> pairs;
-      PairEvidence evidence{names.cameras[c],         names.lidars[l], {}, Matrix6d::Zero(), {}, 0,
-                            candidate_views(views, l)};
+      PairEvidence evidence{names.cameras[c],
+                            names.lidars[l],
+                            {},
+                            Matrix6d::Zero(),
+                            {},
+                            0,
+                            static_cast<int>(candidate_views(views, l))};
       for (std::size_t v = 0; v < views.size(); ++v) {
         if (!views[v].cameras[c] || seed.chosen[v][l] < 0) continue;
         pairs.push_back({board_plane(views[v].cameras[c]->pose.T_camera_board),

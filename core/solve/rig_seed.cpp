@@ -7,12 +7,33 @@
 #include <utility>
 
 #include "core/solve/consensus.h"
+#include "core/solve/view_use.h"
+#include "core/types/text.h"
 
 namespace ca2 {
 namespace {
 
 /// So many returns of a patch tell its spread well enough.
 constexpr std::size_t enough_returns = 200;
+
+/// Why a sensor has no place: nothing is said of views agreeing where there are not three.
+Problem no_place(const std::string& sensor, const std::string& reference, std::size_t shared,
+                 const std::vector<ViewSights>& views) {
+  if (shared >= 3)
+    return {sensor, "no three views agree on where this sensor sits relative to " + reference,
+            "show the board to both at once, at different tilts; check the board's size in the rig"};
+  Problem problem{sensor,
+                  formatted("this sensor and a camera see the board together in %zu of %zu views, and three "
+                            "are the least that determine the answer",
+                            shared, views.size()),
+                  "show the board in more places, each at another tilt"};
+  for (const ViewSights& view : views) {
+    if (view.problem.empty()) continue;
+    problem.what += formatted(" (view %d: %s)", view.id, view.problem.c_str());
+    break;
+  }
+  return problem;
+}
 
 /// Standard deviation of a patch normal about its worse axis, from the spread of its returns, rad.
 double patch_normal_sigma(const LidarSight& sight) {
@@ -180,8 +201,8 @@ Result<RigSeed> seed_rig(const Board& board, const std::vector<ViewSights>& view
     const std::string& name = s < camera_count ? cameras[i] : lidars[i - cameras.size()];
     if (!T_ref_sensor[i]) {
       problems.push_back(
-          {name, "no three views agree on where this sensor sits relative to " + cameras[0],
-           "show the board to both at once, at different tilts; check the board's size in the rig"});
+          no_place(name, cameras[0],
+                   s < camera_count ? views.size() : candidate_views(views, i - cameras.size()), views));
     } else {
       (s < camera_count ? result.T_ref_camera : result.T_ref_lidar).push_back(*T_ref_sensor[i]);
     }

@@ -15,4 +15,11 @@ std::string why_unusable(const ViewSights& view) {
   return "nothing the LiDAR found sits where the other views say the board is";
 }
 
+std::size_t candidate_views(const std::vector<ViewSights>& views, std::size_t lidar) {
+  return static_cast<std::size_t>(std::count_if(views.begin(), views.end(), [&](const ViewSights& view) {
+    return !view.lidars[lidar].empty() &&
+           std::any_of(view.cameras.begin(), view.cameras.end(), [](const auto& c) { return c.has_value(); });
+  }));
+}
+
 }  // namespace ca2

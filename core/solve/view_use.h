@@ -1,7 +1,9 @@
-/// @file Why a view cannot take part, in words for a person.
+/// @file Which views can take part, and why one cannot, in words for a person.
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "core/features/sights.h"
 
@@ -9,5 +11,8 @@ namespace ca2 {
 
 /// For a view of which fewer than two sensors are left once the hypotheses were settled.
 std::string why_unusable(const ViewSights& view);
+
+/// In how many views LiDAR `lidar` and any camera had something to offer.
+std::size_t candidate_views(const std::vector<ViewSights>& views, std::size_t lidar);
 
 }  // namespace ca2

@@ -54,7 +54,7 @@ TEST(Refusal, FewerThanThreeViews) {
     const Scenario scenario = paper(noise, 3001);
     const std::vector<SimulatedView> pool = pool_of(scenario, 2);
     for (const int count : {1, 2}) {
-      expect_refused(scenario, {pool.begin(), pool.begin() + count}, "three");
+      expect_refused(scenario, {pool.begin(), pool.begin() + count}, "three are the least");
     }
   }
 }
