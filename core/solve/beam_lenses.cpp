@@ -43,13 +43,15 @@ LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& camera
                                JointOptions options) {
   for (const auto& [name, lidar] : rig.lidars) options.lens_radius.push_back(beam_lens_radius(lidar.model));
   const std::size_t count = rig.lidars.size();
+  // An answer that was stopped means nothing and may be empty: nothing is read from it.
+  const auto stopped = [stop = options.stop] { return stop.stop_requested(); };
   const auto solved = [&](const std::vector<ViewSights>& seen) {
     return solve_joint(rig.board, cameras, static_cast<int>(count), seen, seed, options);
   };
   LensedAnswer found{solved(views), std::vector<LensVerdict>(count)};
   const std::vector<double> radii = std::exchange(options.lens_radius, {});
   options.rims = false;
-  for (std::size_t l = 0; l < count; ++l) {
+  for (std::size_t l = 0; l < count && !stopped(); ++l) {
     if (!(radii[l] > 0) || !leaves_lens_out(views, l, radii[l])) continue;
     double gain =
         planes_gain(found.answer.plane_misfits, solved(through_lens(views, l, radii[l])).plane_misfits);
@@ -61,8 +63,10 @@ LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& camera
     found.answer = solved(seen_through(views, found.lenses, none));
   for (std::size_t l = 0; l < count; ++l) {
     const LensVerdict& lens = found.lenses[l];
-    if (lens.radius > 0 && !lens.decided())
-      admit(found.answer, solved(seen_through(views, found.lenses, l)), l, lens.doubt);
+    if (!(lens.radius > 0) || lens.decided()) continue;
+    const JointAnswer other = solved(seen_through(views, found.lenses, l));
+    if (stopped()) break;
+    admit(found.answer, other, l, lens.doubt);
   }
   return found;
 }

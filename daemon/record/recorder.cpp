@@ -180,6 +180,7 @@ void Recorder::submit(std::size_t bytes, std::function<void(Files&)> job) {
 void Recorder::picture(const std::string& camera, std::int64_t time, std::shared_ptr<const Image> image) {
   if (!on_) return;
   const std::lock_guard lock(mutex_);
+  if (!on_) return;  // stopped meanwhile: the files are closed
   submit(image->bytes.size(), [this, camera, time, image](Files& files) {
     if (!files.write(camera, time, *image)) ++dropped_;
   });
@@ -188,6 +189,7 @@ void Recorder::picture(const std::string& camera, std::int64_t time, std::shared
 void Recorder::datagram(const std::string& lidar, const Datagram& datagram) {
   if (!on_) return;
   const std::lock_guard lock(mutex_);
+  if (!on_) return;
   const auto found = gathered_.find(lidar);
   const auto source = parse_ip_address(datagram.source_address);
   if (found == gathered_.end() || !source) return;

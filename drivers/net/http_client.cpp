@@ -39,6 +39,19 @@ class Watchdog {
   std::thread thread_;  ///< last: it uses the others
 };
 
+/// httplib's own words are the names of its errors.
+std::string words_of(httplib::Error error) {
+  switch (error) {
+    case httplib::Error::Connection:
+      return "no connection";
+    case httplib::Error::Read:
+    case httplib::Error::Write:
+      return "the connection broke off";
+    default:
+      return httplib::to_string(error);
+  }
+}
+
 }  // namespace
 
 std::string HttpClient::url(const std::string& path) const {
@@ -89,7 +102,7 @@ Result<HttpReply> HttpClient::request(const char* method, const std::string& pat
   if (expired || !result) {
     const std::string why = expired
                                 ? "no complete answer in " + std::to_string(options_.timeout.count()) + " ms"
-                                : httplib::to_string(result.error());
+                                : words_of(result.error());
     return fail(ErrorCode::unavailable, url(path), why, "is the sensor on, and on this network?");
   }
   reply.status = result->status;

@@ -3,6 +3,7 @@
 #include "core/solve/beam_lenses.h"
 
 #include <cstdio>
+#include <stop_token>
 
 #include "core/lidar/beam_lens.h"
 #include "tests/tools/solve/trials.h"
@@ -122,6 +123,26 @@ TEST(BeamLens, OnlyViewsThatBothUseAreCompared) {
 
 TEST(BeamLens, WhatNeitherExplainsSaysLittle) {
   EXPECT_DOUBLE_EQ(planes_gain({{72, 0, 6, 0}}, {{24, 0, 6, 0}}), 6);
+}
+
+/// The daemon stops a solve as soon as there is another view, wherever it is.
+TEST_F(BeamLenses, AnAnswerThatWasStoppedIsNotRead) {
+  Rig rig = rig_of(file.scenario);
+  rig.board.outline.reset();
+  rig.lidars.at("puck").model = "VLP-16";
+  std::mt19937_64 rng(12);
+  const auto sights = sights_of(rig, draw_subset(pool_of(file.scenario, 60), 4, rng));
+  ASSERT_TRUE(sights);
+  const std::vector<ViewSights> views = leaving_lens_out(*sights);
+  const auto seed = seed_rig(rig.board, views, {"blackfly"}, {"puck"}, 1);
+  ASSERT_TRUE(seed) << seed.error().text();
+  std::stop_source source;
+  source.request_stop();
+  JointOptions options;
+  options.stop = source.get_token();
+  const LensedAnswer stopped =
+      solve_with_lenses(rig, {*rig.cameras.begin()->second.intrinsics}, views, *seed, options);
+  EXPECT_FALSE(stopped.lenses[0].taken);
 }
 
 }  // namespace
