@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/geometry/adjoint.h"
 #include "core/geometry/scaled_inverse.h"
@@ -85,7 +86,7 @@ double JointProblem::lidar_cost(const State& state, std::size_t view, int lidar,
 
 template <typename Equations>
 void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
-                              std::span<const int> numbers, ViewEquations& equations) {
+                              std::span<const int> numbers, ViewEquations& equations, GlobalEquations& into) {
   const Matrix6d H = sensor.H.template topLeftCorner<6, 6>();
   const Vector6d g = sensor.g.template head<6>();
   equations.Hvv += H;
@@ -93,9 +94,9 @@ void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_boar
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const auto from = static_cast<Eigen::Index>(6 + k);
     equations.Hvg.col(numbers[k]) += sensor.H.template block<6, 1>(0, from);
-    own_.g(numbers[k]) += sensor.g(from);
+    into.g(numbers[k]) += sensor.g(from);
     for (std::size_t j = 0; j < numbers.size(); ++j)
-      own_.H(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
+      into.H(numbers[k], numbers[j]) += sensor.H(from, static_cast<Eigen::Index>(6 + j));
   }
   if (pose < 0) return;
   // T_sensor_board = T_ref_sensor^-1 T_ref_board: perturbing the sensor by d perturbs it by
@@ -103,19 +104,18 @@ void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_boar
   const Matrix6d A = -adjoint(T_sensor_board.inverse());
   const Matrix6d HA = H * A;
   equations.Hvg.middleCols<6>(pose) += HA;
-  own_.H.block<6, 6>(pose, pose) += A.transpose() * HA;
-  own_.g.segment<6>(pose) += A.transpose() * g;
+  into.H.block<6, 6>(pose, pose) += A.transpose() * HA;
+  into.g.segment<6>(pose) += A.transpose() * g;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const Vector6d mixed = A.transpose() * sensor.H.template block<6, 1>(0, static_cast<Eigen::Index>(6 + k));
-    own_.H.block<6, 1>(pose, numbers[k]) += mixed;
-    own_.H.block<1, 6>(numbers[k], pose) += mixed.transpose();
+    into.H.block<6, 1>(pose, numbers[k]) += mixed;
+    into.H.block<1, 6>(numbers[k], pose) += mixed.transpose();
   }
 }
 
-double JointProblem::linearize_view(const State& state, std::size_t view) {
+double JointProblem::linearize_view(const State& state, std::size_t view, GlobalEquations& into) {
   ViewEquations& equations = views_[view];
   equations.clear(globals_);
-  own_.clear(globals_);
   double cost = 0;
   for (int c = 0; c < cameras_; ++c) {
     CornerField& corners = corners_[view][static_cast<std::size_t>(c)];
@@ -131,7 +131,7 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
     std::iota(numbers.begin(), own, intrinsics_index(c));
     std::iota(own, own + 2, stretch_index());
     add_sensor(sensor, T_camera_board, sensor_index(c),
-               std::span(numbers).first(static_cast<std::size_t>(sensor.g.size() - 6)), equations);
+               std::span(numbers).first(static_cast<std::size_t>(sensor.g.size() - 6)), equations, into);
     cost += sensor.cost;
   }
   for (int l = 0; l < lidars_; ++l) {
@@ -140,7 +140,7 @@ double JointProblem::linearize_view(const State& state, std::size_t view) {
     add_sensor(sensor, sensor_board(state, cameras_ + l, view), lidar_pose_index(l),
                std::array{bias_index(l), dilation_index(l), dilation_index(l) + 1, slope_index(l),
                           rim_depth_index()},
-               equations);
+               equations, into);
   }
   return cost;
 }
@@ -205,11 +205,7 @@ double JointProblem::add_priors(const State& state, GlobalEquations* equations) 
 double JointProblem::linearize(const State& state) {
   total_.clear(globals_);
   double cost = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v) {
-    cost += linearize_view(state, v);
-    total_.H += own_.H;
-    total_.g += own_.g;
-  }
+  for (std::size_t v = 0; v < views_.size(); ++v) cost += linearize_view(state, v, total_);
   prior_.clear(globals_);
   return cost + add_priors(state, &prior_);
 }
@@ -337,12 +333,14 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) {
 
 void JointProblem::view_share(const State& state, std::size_t view, Eigen::MatrixXd& information,
                               Eigen::VectorXd& gradient) {
-  linearize_view(state, view);
+  GlobalEquations own;
+  own.clear(globals_);
+  linearize_view(state, view, own);
   Elimination eliminated;
   eliminated.eliminate(views_[view], 0);
-  information = own_.H;
-  gradient = own_.g;
-  eliminated.subtract_from(information, gradient);
+  eliminated.subtract_from(own.H, own.g);
+  information = std::move(own.H);
+  gradient = std::move(own.g);
   information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
 }
 

@@ -136,12 +136,12 @@ class JointProblem {
   Pose sensor_board(const State& state, int sensor, std::size_t view) const;
   /// Cost of one LiDAR in one view, with its derivatives where asked for.
   double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
-  /// Puts the view's equations into `views_` and `own_`.
-  double linearize_view(const State& state, std::size_t view);
+  /// Puts the view's equations into `views_`, and adds what it has by the globals alone to `into`.
+  double linearize_view(const State& state, std::size_t view, GlobalEquations& into);
   /// `sensor`: SensorEquations or CameraEquations; `numbers`: places of the sensor's own among the globals.
   template <typename Equations>
-  void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose, std::span<const int> numbers,
-                  ViewEquations& equations);
+  static void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
+                         std::span<const int> numbers, ViewEquations& equations, GlobalEquations& into);
   double corner_scale(int camera) const;
   double add_priors(const State& state, GlobalEquations* equations) const;
   Eigen::VectorXd deviations(const State& state) const;  ///< in the order of JointInput::nuisances
@@ -156,7 +156,6 @@ class JointProblem {
   std::vector<ViewEquations> views_;
   std::vector<Elimination> eliminated_;
   GlobalEquations prior_;
-  GlobalEquations own_;    ///< of the view last linearised
   GlobalEquations total_;  ///< of all views
 };
 
