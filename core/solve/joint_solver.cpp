@@ -13,14 +13,13 @@
 #include "core/solve/leave_one_out.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/plate_rims.h"
+#include "core/solve/rim_conflict.h"
 #include "core/solve/rim_doubts.h"
 #include "core/solve/view_use.h"
 
 namespace ca2 {
 namespace {
 
-/// chi-squared with 6 degrees of freedom: a bound one in ten thousand exceeds by chance.
-constexpr double chi2_bound_6 = 27.9;
 /// How far boards may move before corners are projected anew, rad and of their distance: while returns and
 /// noise are still being settled, and for the answer. The neglected second order is the square of it.
 constexpr double coarse_reach = 3e-4, fine_reach = 3e-5;
@@ -300,7 +299,8 @@ class Solver {
     // With their rims views may disagree where planes alone left room to agree.
     explain_misfit();
     finish();
-    if (!contradicts(without) || (answer_.view_sigma != without.view_sigma && !contradicts(planes_alone())))
+    if (!contradicts(answer_, without) ||
+        (answer_.view_sigma != without.view_sigma && !contradicts(answer_, planes_alone())))
       return;
     answer_ = std::move(without);
     answer_.edges_dropped = true;
@@ -322,19 +322,6 @@ class Solver {
     finish();
     state_ = state;
     return std::exchange(answer_, std::move(with));
-  }
-
-  /// Does the answer lie further from the one without rims than that allows?
-  bool contradicts(const JointAnswer& without) const {
-    if (!answer_.covariance.allFinite()) return true;
-    if (!without.covariance.allFinite()) return false;
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      const Vector6d change = without.state.T_ref_lidar[l].difference(answer_.state.T_ref_lidar[l]);
-      const Eigen::Index i = 6 * static_cast<Eigen::Index>(answer_.state.T_ref_camera.size() - 1 + l);
-      if (!(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6))
-        return true;
-    }
-    return false;
   }
 
   /// Corner noise, from the reprojection residuals at the solution.
