@@ -66,18 +66,19 @@ CA2_AVX512 std::size_t write_sixteens(const FiredBeams& beams, const FiredNames&
     _mm512_storeu_ps(to.intensity + n, _mm512_maskz_cvtepi32_ps(0xffff, ordered(intensity)));
     const __m512i ring = _mm512_maskz_cvtepu16_epi32(here, _mm256_maskz_loadu_epi16(here, in.ring + i));
     _mm256_storeu_epi16(to.ring + n, _mm512_maskz_cvtepi32_epi16(0xffff, ordered(ring)));
+    _mm512_storeu_si512(to.column + n, column);
+    __m512i first = time, last = time;
     if constexpr (delayed) {
       const __m512i delay = ordered(_mm512_maskz_loadu_epi32(here, in.delay + i));
       const __m256i low = _mm512_maskz_extracti64x4_epi64(0xff, delay, 0),
                     high = _mm512_maskz_extracti64x4_epi64(0xff, delay, 1);
-      _mm512_storeu_si512(to.time + n, _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, low)));
-      _mm512_storeu_si512(to.time + n + 8, _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, high)));
+      first = _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, low));
+      last = _mm512_add_epi64(time, _mm512_maskz_cvtepu32_epi64(0xff, high));
     }
+    _mm512_storeu_si512(to.time + n, first);
+    _mm512_storeu_si512(to.time + n + 8, last);
     n += returns;
   }
-  // What all have in common need not be written again where beams were no returns.
-  for (std::size_t i = 0; i < n; i += 16) _mm512_storeu_si512(to.column + i, column);
-  for (std::size_t i = 0; i < n && !delayed; i += 8) _mm512_storeu_si512(to.time + i, time);
   return n;
 }
 
