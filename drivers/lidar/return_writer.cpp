@@ -29,7 +29,7 @@ std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& na
 
 namespace {
 
-constexpr std::size_t spare = 16;  // written beyond the last return
+constexpr std::size_t spare = 16;   // written beyond the last return
 constexpr std::size_t step = 1024;  // returns for which room is made at a time
 
 /// What `f` says of each of the arrays.
