@@ -209,6 +209,11 @@ class JointReport {
                       names_.lidars[l].c_str(), 1e3 * answer_.view_sigma[l]));
       }
     }
+    if (answer_.camera_factor > 1) {
+      calibration.notes.push_back(formatted(
+          "the cameras disagree %.1f times more than their corners' noise explains: the sigmas include it",
+          std::sqrt(answer_.camera_factor)));
+    }
     if (answer_.variance_factor > 1) {
       calibration.notes.push_back(
           formatted("the views disagree %.1f times more than their noise explains: the sigmas include it",

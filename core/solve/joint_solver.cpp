@@ -368,12 +368,26 @@ class Solver {
     return true;
   }
 
+  /// By how much the cameras disagree beyond their noise, as a factor on its variance; 1: maybe chance.
+  double camera_excess(const JointState& active) {
+    for (std::size_t i = 0; i < active_.size(); ++i)
+      answer_.views[active_[i]].misfit = problem_->misfit(active, i);
+    return misfit_excess(total_misfit().cameras, total_misfit().camera_freedom);
+  }
+
   void finish() {
     prepare();
     marginalize_view_errors();
     JointState active = active_state();
     input_.corner_reach = fine_reach;
     minimize_and_weigh(*problem_, input_, active);
+    answer_.camera_factor = camera_excess(active);
+    if (answer_.camera_factor > 1) {
+      // Corners are less sure than they seemed, and nothing else.
+      for (double& scale : input_.corner_scale) scale *= std::sqrt(answer_.camera_factor);
+      answer_.corner_scale = input_.corner_scale;
+      minimize_and_weigh(*problem_, input_, active);
+    }
     take(active);
     for (std::size_t i = 0; i < active_.size(); ++i) {
       const std::size_t v = active_[i];
@@ -388,9 +402,7 @@ class Solver {
     for (const CameraParameters& sigma : input_.prior_intrinsics)
       answer_.free_intrinsics.push_back(static_cast<int>(sigma.size()));
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
-    const Misfit misfit = total_misfit();
-    answer_.variance_factor = std::max(misfit_excess(misfit.lidars, misfit.lidar_freedom),
-                                       misfit_excess(misfit.cameras, misfit.camera_freedom));
+    answer_.variance_factor = misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom);
     invert(active);
   }
 

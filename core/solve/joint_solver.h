@@ -62,7 +62,9 @@ struct JointAnswer {
   std::vector<Misfit> plane_misfits;
   int edges = 0;                  ///< sides of plates in the answer
   bool edges_dropped = false;     ///< the rims contradict the rest and are not in the answer
-  double variance_factor = 1;     ///< >= 1: how much the views disagree beyond their noise
+  double camera_factor = 1;       ///< >= 1, on the variance of the corners: how much the cameras disagree
+                                  ///< with each other beyond their noise; it is in `corner_scale`
+  double variance_factor = 1;     ///< >= 1: how much cameras and LiDARs disagree beyond it
   Eigen::MatrixXd leave_one_out;  ///< [used view x globals]: how the answer moves when the view is left out;
                                   ///< empty when any such set would not determine it
 };

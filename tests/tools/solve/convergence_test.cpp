@@ -1,6 +1,7 @@
 /// No initial guess: any relative rotation of the sensors, the same answer for the same input, and for corner
 /// ids that start at the other end of the board.
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdio>
 
 #include "core/solve/rig_seed.h"
@@ -109,6 +110,27 @@ TEST(Convergence, APlateOffItsPatternIsFoundEitherWayRound) {
   for (const CalibratedView& view : answer->views) EXPECT_TRUE(view.used) << view.reason;
   EXPECT_EQ(answer->notes, std::vector<std::string>{});
   EXPECT_LT(worst_error(*answer, file.scenario).nees / 6, 2.5);
+}
+
+/// What only the cameras disagree about says nothing against the LiDAR.
+TEST(Convergence, CamerasThatDisagreeWidenTheirOwnShareOnly) {
+  ScenarioFile file = load("os0_t265", 2006);
+  for (auto& [name, camera] : file.scenario.cameras) camera.noise.corner_sigma = refined_corner_sigma;
+  std::vector<SimulatedView> views = pool_of(file.scenario, 15);
+  const auto plain = calibrate_features(rig_of(file.scenario), views);
+  std::mt19937_64 rng(13);
+  std::normal_distribution<double> shift(0, 0.01);  // px, of a whole picture
+  for (SimulatedView& view : views) {
+    const Eigen::Vector2d by(shift(rng), shift(rng));
+    for (Corner& corner : view.corners.at("right")) corner.pixel += by;
+  }
+  const auto shaken = calibrate_features(rig_of(file.scenario), views);
+  ASSERT_TRUE(plain && shaken);
+  EXPECT_TRUE(std::any_of(shaken->notes.begin(), shaken->notes.end(), [](const std::string& note) {
+    return note.find("the cameras disagree") != std::string::npos;
+  }));
+  const auto variance = [](const Calibration& answer) { return answer.transforms[0].covariance.trace(); };
+  EXPECT_LT(variance(*shaken), 1.5 * variance(*plain));
 }
 
 }  // namespace
