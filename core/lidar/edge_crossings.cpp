@@ -210,10 +210,11 @@ class RimFinder {
       const bool covered = next->seen == Seen::before || (after && after->seen == Seen::before);
       jump = static_cast<float>(covered ? std::min(next->behind, -band_) : next->behind);
     }
-    // Regular rays are where the step says. The next return may lie far behind,
-    // where a ray that does not start in the origin is seen under another
-    // azimuth.
-    if (regular_ || !next || gap > 2.5 * step_) gap = step_;
+    // Regular rays are where the step says: the next return may lie far behind, where a ray that does not
+    // start in the origin is seen under another azimuth (by less than half a step). What rays in between met
+    // is not known: theirs were lost, at the rim more often than elsewhere.
+    if (!next) gap = step_;
+    if (regular_) gap = step_ * std::max(1.0, std::round(gap / step_ - 0.2));
     const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
     const float height = projection_.height[r];
     crossings_.push_back(

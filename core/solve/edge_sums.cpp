@@ -17,11 +17,13 @@ constexpr double half_beam = 0.003;
 /// person who holds it) returns a range between both, and whether that counts as the plate is a matter of the
 /// gap: such a rim seems to be up to half a beam's width off, either way. m.
 constexpr double least_jump = 0.5;
-/// The chance of a ring's last ray on the plate not to be that, since the last return got lost. Between rings
-/// a whole ring would have to be. A ray that ended on the plate did so.
-constexpr double stray_share = 0.005;
-/// No rim is straight to less than this, rad.
-constexpr double least_sigma = 5e-5;
+/// The chance of what seems to have missed the plate not to have done so, after one ray or several next to it
+/// were lost. Between rings a whole ring would have to be. A ray that ended on the plate did so.
+constexpr double stray_share = 0.002;
+/// How well a ray's direction is known, rad..
+constexpr double least_sigma = 1e-5;
+/// ..and m^2: points tell to 2 mm where it begins, and their ranges may be 12 mm off.
+constexpr double origin_doubt = 4e-5;
 
 /// The rays of a crossing as one side of the plate sees them: angles outwards of that side, rad.
 struct Piece {
@@ -120,7 +122,8 @@ std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& piece
   if (!ends) return std::nullopt;
   sums.blur = ends->blur;
   sums.range = range;
-  sums.covariance = ends->covariance + (least_sigma * least_sigma + noise.blur * noise.blur / sums.count) *
+  const double direction = std::hypot(least_sigma, origin_doubt / (range * range));
+  sums.covariance = ends->covariance + (direction * direction + noise.blur * noise.blur / sums.count) *
                                            Eigen::Matrix2d::Identity();
   // Angles that the rays leave as open as they were are not known.
   const double trace = ends->covariance.trace(), determinant = ends->covariance.determinant();

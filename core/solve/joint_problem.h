@@ -159,12 +159,12 @@ class JointProblem {
   GlobalEquations total_;  ///< of all views
 };
 
-/// Three or four views leave too little over to say that given values are right.
-inline constexpr std::size_t least_views_to_weigh = 5;
+/// The priors on intrinsics, stretch and range biases: as the input has them, or weighed by what the views
+/// show.
+enum class Priors { as_given, weighed };
 
-/// Minimises, weighs the priors on intrinsics, stretch and range biases by what the views show
-/// (input.nuisances; from five views on), and minimises with these. `input` is the problem's; the problem is
-/// left linearised at `state`.
-void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state);
+/// Minimises; with `weighed` priors (from three views on) weighs them (input.nuisances) and minimises with
+/// these. `input` is the problem's; the problem is left linearised at `state`.
+void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors);
 
 }  // namespace ca2

@@ -27,6 +27,8 @@ constexpr double coarse_reach = 3e-4, fine_reach = 3e-5;
 constexpr double well_placed = 0.01;
 /// And from as many views on they do in any case: only what rays choose can be rid of the lasers' own errors.
 constexpr std::size_t enough_views = 5;
+/// Few views leave too little over to contradict given intrinsics.
+constexpr std::size_t least_views_to_doubt = 5;
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
 
@@ -299,9 +301,7 @@ class Solver {
     // With their rims views may disagree where planes alone left room to agree.
     explain_misfit();
     finish();
-    if (!contradicts(answer_, without) ||
-        (answer_.view_sigma != without.view_sigma && !contradicts(answer_, planes_alone())))
-      return;
+    if (!contradicts(answer_, without) || !contradicts(answer_, planes_alone())) return;
     answer_ = std::move(without);
     answer_.edges_dropped = true;
   }
@@ -313,13 +313,14 @@ class Solver {
     solve();
   }
 
-  /// The answer without rims, with the views' own errors as they are known now.
+  /// The answer without rims, with the views' own errors as they are known now, and with given values doubted
+  /// as much as ever: a few planes may seem to confirm wrong ones, which rims then contradict.
   JointAnswer planes_alone() {
     JointAnswer with = answer_;
     const JointState state = state_;
     rims_.look_within(0);
     solve();
-    finish();
+    finish(Priors::as_given);
     state_ = state;
     return std::exchange(answer_, std::move(with));
   }
@@ -343,8 +344,7 @@ class Solver {
 
   /// Frees what the corners contradict, and solves with it.
   void question_corners() {
-    // Few views leave too little over to contradict anything.
-    if (active_.size() < least_views_to_weigh) return;
+    if (active_.size() < least_views_to_doubt) return;
     input_.corner_scale = answer_.corner_scale;
     const CornerDoubts doubts = doubt_corners(input_, active_state(), neighbours_, doubt_priors_);
     if (!doubts.any()) return;
@@ -375,18 +375,18 @@ class Solver {
     return misfit_excess(total_misfit().cameras, total_misfit().camera_freedom);
   }
 
-  void finish() {
+  void finish(Priors priors = Priors::weighed) {
     prepare();
     marginalize_view_errors();
     JointState active = active_state();
     input_.corner_reach = fine_reach;
-    minimize_and_weigh(*problem_, input_, active);
+    minimize_and_weigh(*problem_, input_, active, priors);
     answer_.camera_factor = camera_excess(active);
     if (answer_.camera_factor > 1) {
       // Corners are less sure than they seemed, and nothing else.
       for (double& scale : input_.corner_scale) scale *= std::sqrt(answer_.camera_factor);
       answer_.corner_scale = input_.corner_scale;
-      minimize_and_weigh(*problem_, input_, active);
+      minimize_and_weigh(*problem_, input_, active, priors);
     }
     take(active);
     for (std::size_t i = 0; i < active_.size(); ++i) {

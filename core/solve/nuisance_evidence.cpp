@@ -78,12 +78,15 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   return evidence;
 }
 
-void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state) {
+/// Two views leave nothing over to say that given values are right.
+constexpr std::size_t least_views_to_weigh = 3;
+
+void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors) {
   const LmOptions options{.max_iterations = 30};
   input.nuisances.reset();
   minimize(problem, state, options);
   problem.linearize(state);
-  if (input.views.size() < least_views_to_weigh) return;
+  if (priors == Priors::as_given || input.views.size() < least_views_to_weigh) return;
   const std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
   if (!evidence) return;
   input.nuisances = weigh_nuisances(*evidence);

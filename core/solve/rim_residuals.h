@@ -28,14 +28,14 @@ RimResiduals rim_residuals(std::span<const EdgeView> views, const Dilation& dila
 
 /// What the rims of all views are off by beyond their rays' gaps and the blur.
 struct RimErrors {
-  double shared = 0;    ///< EdgeNoise::shared, m; 0.1 mm at least
+  double shared = 0;    ///< EdgeNoise::shared, m; 0.05 mm at least
   double sway = 0;      ///< EdgeNoise::sway, m
   double deviance = 0;  ///< -2 log likelihood of the rims with these, but for a constant
   int freedom = 0;      ///< how much is known of the rims
 };
 
 /// The errors under which the sides lie off as they do with the most probability. No plate is cut, and no
-/// print placed on it, to less than 0.1 mm.
+/// print placed on it, to less than 0.05 mm.
 RimErrors likeliest_errors(const RimResiduals& residuals);
 
 /// The same after the LiDAR's pose, the dilation's angle and what is free were fitted to the rims.

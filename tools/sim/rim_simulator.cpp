@@ -65,12 +65,14 @@ void RimSimulator::add_ends(std::size_t ring, std::vector<EdgeCrossing>& crossin
       if (look.on_plate && (!inside || way * (look.azimuth - inside->azimuth) > 0)) inside = &look;
     }
     if (!inside) continue;
-    // The next look; where it is not known, a column further.
-    double gap = 2 * std::numbers::pi / lidar_.beams.columns;
+    // The next look that was not lost; where there is none near, a column further.
+    const double step = 2 * std::numbers::pi / lidar_.beams.columns;
+    double gap = std::numeric_limits<double>::infinity();
     for (const Look& look : looks) {
       const double away = way * (look.azimuth - inside->azimuth);
       if (!look.on_plate && away > 1e-6) gap = std::min(gap, away);
     }
+    if (gap > 3 * step) gap = step;
     const Eigen::AngleAxisd turn(way * gap, Eigen::Vector3d::UnitZ());
     crossings.push_back({inside->direction.cast<float>(), (turn * inside->direction).cast<float>(),
                          std::numeric_limits<float>::infinity(), static_cast<std::uint16_t>(ring), false,
