@@ -163,8 +163,10 @@ class JointProblem {
 /// show.
 enum class Priors { as_given, weighed };
 
-/// Minimises; with `weighed` priors (from three views on) weighs them (input.nuisances) and minimises with
-/// these. `input` is the problem's; the problem is left linearised at `state`.
+/// Minimises; where they are to be `weighed`, weighs the priors by what the views show
+/// (input.nuisances; from three views on) and minimises with these. `input` is the problem's; the problem is
+/// left linearised at `state`: three or four views leave too little over to be sure that given values are
+/// right, so that its information is then the one with the priors as given.
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors);
 
 }  // namespace ca2

@@ -99,7 +99,7 @@ class Solver {
     for (const JointViewOutcome& view : answer_.views)
       answer_.plane_misfits.push_back(view.used ? view.misfit : Misfit{});
     if (!stopping()) explain_misfit();
-    if (!stopping()) finish();
+    if (!stopping()) finish(Priors::weighed);
     if (with_rims_ && !stopping()) add_edges();
     return std::move(answer_);
   }
@@ -300,7 +300,7 @@ class Solver {
         rims_.lens_gains(state_, active_, input_.rim_freedom, lens_radius_);
     // With their rims views may disagree where planes alone left room to agree.
     explain_misfit();
-    finish();
+    finish(Priors::weighed);
     if (!contradicts(answer_, without) || !contradicts(answer_, planes_alone())) return;
     answer_ = std::move(without);
     answer_.edges_dropped = true;
@@ -313,8 +313,8 @@ class Solver {
     solve();
   }
 
-  /// The answer without rims, with the views' own errors as they are known now, and with given values doubted
-  /// as much as ever: a few planes may seem to confirm wrong ones, which rims then contradict.
+  /// The answer without rims, with the views' own errors as they are known now and given values doubted
+  /// as ever: planes may seem to confirm wrong ones, which rims then contradict.
   JointAnswer planes_alone() {
     JointAnswer with = answer_;
     const JointState state = state_;

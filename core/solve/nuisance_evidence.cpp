@@ -78,8 +78,8 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   return evidence;
 }
 
-/// Two views leave nothing over to say that given values are right.
-constexpr std::size_t least_views_to_weigh = 3;
+/// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
+constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
 
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors) {
   const LmOptions options{.max_iterations = 30};
@@ -91,6 +91,7 @@ void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& st
   if (!evidence) return;
   input.nuisances = weigh_nuisances(*evidence);
   minimize(problem, state, options);
+  if (input.views.size() < least_views_to_trust) input.nuisances.reset();
   problem.linearize(state);
 }
 

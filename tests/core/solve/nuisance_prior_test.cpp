@@ -59,7 +59,7 @@ TEST(NuisancePrior, OneGroupMayBeRightAndTheOtherWrong) {
 TEST(NuisancePrior, NoViewsLeaveWhatWasBelievedBefore) {
   const Posterior found = posterior(measured(Eigen::VectorXd::Zero(5), 1e3));
   // Most of the chance is on 1, and little on what lies between.
-  for (int i = 0; i < 5; ++i) EXPECT_NEAR(found.sigma(i), std::sqrt(0.6 + 0.04 / 3), 0.01) << i;
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(found.sigma(i), std::sqrt(0.8 + 0.02 / 3), 0.01) << i;
 }
 
 TEST(NuisancePrior, ErrorsAreAsTheCovarianceSaysWhetherRightOrWrong) {
