@@ -375,7 +375,7 @@ class Solver {
     return misfit_excess(total_misfit().cameras, total_misfit().camera_freedom);
   }
 
-  void finish(Priors priors = Priors::weighed) {
+  void finish(Priors priors) {
     prepare();
     marginalize_view_errors();
     JointState active = active_state();

@@ -12,13 +12,8 @@ namespace {
 struct Factor {
   double size, chance;
 };
-constexpr std::array<Factor, 7> factors{{{0, 0.1},
-                                         {1. / 32, 0.02},
-                                         {1. / 16, 0.02},
-                                         {1. / 8, 0.02},
-                                         {1. / 4, 0.02},
-                                         {1. / 2, 0.02},
-                                         {1, 0.8}}};
+constexpr std::array<Factor, 7> factors{
+    {{0, 0.1}, {1. / 32, 0.02}, {1. / 16, 0.02}, {1. / 8, 0.02}, {1. / 4, 0.02}, {1. / 2, 0.02}, {1, 0.8}}};
 /// Nothing is known better than to this share of its `sigma`: keeps the mixture's covariance regular.
 constexpr double least_sigma = 1e-4;
 
