@@ -167,6 +167,17 @@ TEST(EdgeCrossings, a_hole_in_the_middle_is_no_rim) {
   expect_rim_between(stage, crossings);
 }
 
+TEST(EdgeCrossings, the_last_return_on_the_plate_got_lost) {
+  Stage stage;
+  const int rings = along_rings(stage.crossings());
+  // Of every ring the last ray that ended on the plate, towards +x.
+  const double last = kWidth / 2 - stage.T_lidar_board.t.norm() * 2 * std::numbers::pi / kColumns;
+  stage.change({last, -1}, {kWidth / 2, 1}, [](auto) { return Eigen::Vector3f::Constant(kNaN); });
+  const auto crossings = stage.crossings();
+  EXPECT_EQ(along_rings(crossings), rings);
+  expect_rim_between(stage, crossings);
+}
+
 TEST(EdgeCrossings, nothing_comes_back_from_beside_the_plate) {
   Stage stage;
   for (Eigen::Vector3f& point : stage.scan.points) {
