@@ -9,8 +9,9 @@
 namespace ca2 {
 namespace {
 
-constexpr std::array shares{0.00005, 0.0001, 0.0002, 0.0004, 0.0006, 0.0012, 0.0024, 0.0048, 0.0096, 0.02};  // m
-constexpr std::array sways{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016};                         // m
+constexpr std::array shares{0.00005, 0.0001, 0.0002, 0.0004, 0.0006,
+                            0.0012,  0.0024, 0.0048, 0.0096, 0.02};          // m
+constexpr std::array sways{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016};  // m
 /// The sides follow the LiDAR's pose and the dilation.
 constexpr int fitted_anyway = 8;
 
