@@ -75,18 +75,16 @@ std::string lens_note(const std::string& lidar, const LensVerdict& lens) {
   const double radius = 1e3 * lens.radius;  // mm
   if (lens.radius > 0 && !lens.decided()) {
     return formatted(
-        "these views do not tell whether the beams of %s begin in its lens, %.0f mm before its axis, which "
-        "its "
-        "points leave out (%s, at %.0f %%): the sigmas include it; show the board higher and lower too",
+        "these views do not tell whether the beams of %s begin in its lens, %.0f mm before its axis, "
+        "which its points leave out (%s, at %.0f %%): the sigmas include it; show the board higher and "
+        "lower too",
         lidar.c_str(), radius, lens.taken ? "taken to be so" : "taken not to be so", 100 * (1 - lens.doubt));
   }
   if (!lens.taken) return {};
   return formatted(
       "the boards show that the beams of %s begin in its lens, %.0f mm before its axis, which its points "
-      "leave "
-      "out: it was taken into account; to draw its points exactly, move each by -%.1f mm times the tangent "
-      "of "
-      "its elevation along z",
+      "leave out: it was taken into account; to draw its points exactly, move each by -%.1f mm times the "
+      "tangent of its elevation along z",
       lidar.c_str(), radius, radius);
 }
 
