@@ -86,7 +86,8 @@ double JointProblem::lidar_cost(const State& state, std::size_t view, int lidar,
 
 template <typename Equations>
 void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
-                              std::span<const int> numbers, ViewEquations& equations, GlobalEquations& into) {
+                              std::span<const int> numbers, ViewEquations& equations,
+                              DenseNormalEquations& into) {
   const Matrix6d H = sensor.H.template topLeftCorner<6, 6>();
   const Vector6d g = sensor.g.template head<6>();
   equations.Hvv += H;
@@ -113,7 +114,7 @@ void JointProblem::add_sensor(const Equations& sensor, const Pose& T_sensor_boar
   }
 }
 
-double JointProblem::linearize_view(const State& state, std::size_t view, GlobalEquations& into) {
+double JointProblem::linearize_view(const State& state, std::size_t view, DenseNormalEquations& into) {
   ViewEquations& equations = views_[view];
   equations.clear(globals_);
   double cost = 0;
@@ -145,7 +146,7 @@ double JointProblem::linearize_view(const State& state, std::size_t view, Global
   return cost;
 }
 
-double JointProblem::add_priors(const State& state, GlobalEquations* equations) const {
+double JointProblem::add_priors(const State& state, DenseNormalEquations* equations) const {
   double cost = 0;
   const auto add = [&](int index, double error, double information) {
     cost += 0.5 * information * error * error;
@@ -333,7 +334,7 @@ Misfit JointProblem::misfit(const State& state, std::size_t view) {
 
 void JointProblem::view_share(const State& state, std::size_t view, Eigen::MatrixXd& information,
                               Eigen::VectorXd& gradient) {
-  GlobalEquations own;
+  DenseNormalEquations own;
   own.clear(globals_);
   linearize_view(state, view, own);
   Elimination eliminated;

@@ -8,6 +8,7 @@
 
 #include "core/board/board.h"
 #include "core/camera/camera_model.h"
+#include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/pose.h"
 #include "core/solve/corner_field.h"
 #include "core/solve/edge_sums.h"
@@ -137,13 +138,13 @@ class JointProblem {
   /// Cost of one LiDAR in one view, with its derivatives where asked for.
   double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
   /// Puts the view's equations into `views_`, and adds what it has by the globals alone to `into`.
-  double linearize_view(const State& state, std::size_t view, GlobalEquations& into);
+  double linearize_view(const State& state, std::size_t view, DenseNormalEquations& into);
   /// `sensor`: SensorEquations or CameraEquations; `numbers`: places of the sensor's own among the globals.
   template <typename Equations>
   static void add_sensor(const Equations& sensor, const Pose& T_sensor_board, int pose,
-                         std::span<const int> numbers, ViewEquations& equations, GlobalEquations& into);
+                         std::span<const int> numbers, ViewEquations& equations, DenseNormalEquations& into);
   double corner_scale(int camera) const;
-  double add_priors(const State& state, GlobalEquations* equations) const;
+  double add_priors(const State& state, DenseNormalEquations* equations) const;
   Eigen::VectorXd deviations(const State& state) const;  ///< in the order of JointInput::nuisances
   const Pose& sensor_pose(const State& state, int sensor) const;
   int sensor_index(int sensor) const;  ///< of its pose among the globals; -1: the reference
@@ -155,8 +156,8 @@ class JointProblem {
   std::vector<std::vector<CornerField>> corners_;  ///< [view][camera]
   std::vector<ViewEquations> views_;
   std::vector<Elimination> eliminated_;
-  GlobalEquations prior_;
-  GlobalEquations total_;  ///< of all views
+  DenseNormalEquations prior_;
+  DenseNormalEquations total_;  ///< of all views
 };
 
 /// The priors on intrinsics, stretch and range biases: as the input has them, or weighed by what the views

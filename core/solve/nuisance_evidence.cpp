@@ -5,6 +5,12 @@
 #include "core/solve/joint_problem.h"
 
 namespace ca2 {
+namespace {
+
+/// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
+constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
+
+}  // namespace
 
 bool JointProblem::distortion_free() const {
   return intrinsics_.back() - intrinsics_.front() > 4 * cameras_;
@@ -77,9 +83,6 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   evidence.h = evidence.H * d + prior.cwiseProduct(d);
   return evidence;
 }
-
-/// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
-constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
 
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors) {
   const LmOptions options{.max_iterations = 30};

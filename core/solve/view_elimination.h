@@ -19,17 +19,6 @@ struct ViewEquations {
   void clear(Eigen::Index globals);
 };
 
-/// One view's share of the equations by the globals alone.
-struct GlobalEquations {
-  Eigen::MatrixXd H;
-  Eigen::VectorXd g;
-
-  void clear(Eigen::Index globals) {
-    H.setZero(globals, globals);
-    g.setZero(globals);
-  }
-};
-
 /// One view with its board pose eliminated (Schur complement): Hvv = P'LDL'P.
 class Elimination {
  public:
