@@ -54,7 +54,8 @@ constexpr std::uint64_t power(int n) {
 
 // Carry-less multiplication folds what was read onto what comes some bytes later (Gopal et al., "Fast CRC
 // Computation for Generic Polynomials Using PCLMULQDQ Instruction", Intel 2009). The products of bit-reversed
-// factors are one power too high, hence the odd exponents.
+// factors are one power too high, hence the odd exponents. Loops over registers are unrolled: else these are
+// kept in memory, and the time it takes there and back is what a step takes.
 
 /// What 16 bytes become so many bits later.
 template <int bits>
@@ -75,6 +76,7 @@ __attribute__((target("pclmul,sse4.1"))) std::uint64_t advance_folding(std::uint
   std::size_t i = sizeof folded;
   for (; i + sizeof folded <= size; i += sizeof folded) {
     std::memcpy(block, bytes + i, sizeof block);
+#pragma GCC unroll 4
     for (std::size_t k = 0; k < 4; ++k) folded[k] = _mm_xor_si128(fold<512>(folded[k]), block[k]);
   }
   __m128i last = _mm_xor_si128(_mm_xor_si128(fold<384>(folded[0]), fold<256>(folded[1])),
@@ -109,6 +111,7 @@ __attribute__((target("vpclmulqdq,avx2,pclmul,sse4.1"))) std::uint64_t advance_f
   folded[0] = _mm256_xor_si256(folded[0], _mm256_set_epi64x(0, 0, 0, static_cast<long long>(crc)));
   std::size_t i = sizeof folded;
   for (; i + sizeof folded <= size; i += sizeof folded) {
+#pragma GCC unroll 4
     for (std::size_t k = 0; k < 4; ++k) {
       __m256i block;
       std::memcpy(&block, bytes + i + 32 * k, sizeof block);
@@ -132,6 +135,7 @@ __attribute__((target("vpclmulqdq,avx512f,avx2,pclmul,sse4.1"))) std::uint64_t a
       _mm512_xor_si512(folded[0], _mm512_zextsi128_si512(_mm_set_epi64x(0, static_cast<long long>(crc))));
   std::size_t i = sizeof folded;
   for (; i + sizeof folded <= size; i += sizeof folded) {
+#pragma GCC unroll 4
     for (std::size_t k = 0; k < 4; ++k) {
       __m512i block;
       std::memcpy(&block, bytes + i + 64 * k, sizeof block);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "drivers/lidar/avx512.h"
+
 namespace ca2 {
 namespace detail {
 
@@ -29,7 +31,6 @@ std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& na
 
 namespace {
 
-constexpr std::size_t spare = 16;   // written beyond the last return
 constexpr std::size_t step = 1024;  // returns for which room is made at a time
 
 /// What `f` says of each of the arrays.
@@ -43,13 +44,8 @@ auto of_arrays(Scan& scan, F f) {
 
 ReturnWriter::Write* ReturnWriter::fastest() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("popcnt")) {
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-        __builtin_cpu_supports("avx512vl")) {
-      return detail::write_returns_avx512;
-    }
-    if (__builtin_cpu_supports("avx2")) return detail::write_returns_avx2;
-  }
+  if (has_avx512()) return detail::write_returns_avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt")) return detail::write_returns_avx2;
 #endif
   return detail::write_returns_portable;
 }
@@ -78,18 +74,6 @@ void ReturnWriter::grow(std::size_t needed) {
     of_arrays(*scan_, [&](auto& array) { return array.reserve(memory_), 0; });
   }
   resize(std::min(needed + step, memory_));
-}
-
-void ReturnWriter::add(const FiredBeams& beams, const FiredNames& names) {
-  const std::size_t needed = size_ + static_cast<std::size_t>(names.beams) + spare;
-  if (needed > room_) grow(needed);
-  const detail::ReturnTargets out{scan_->points.data()->data() + 3 * size_,
-                                  scan_->range.data() + size_,
-                                  scan_->intensity.data() + size_,
-                                  scan_->ring.data() + size_,
-                                  scan_->column.data() + size_,
-                                  scan_->time.data() + size_};
-  size_ += write_(beams, names, out);
 }
 
 void ReturnWriter::finish() {

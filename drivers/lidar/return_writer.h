@@ -28,7 +28,17 @@ struct FiredNames {
 };
 
 namespace detail {
-struct ReturnTargets;
+
+/// Where the next returns go. Up to sixteen beyond what they return may be overwritten.
+struct ReturnTargets {
+  float* points;
+  float* range;
+  float* intensity;
+  std::uint16_t* ring;
+  std::uint32_t* column;
+  std::int64_t* time;
+};
+
 }  // namespace detail
 
 /// Arrays are written where they are and cut to size at the end: their memory is neither cleared nor copied,
@@ -38,7 +48,21 @@ class ReturnWriter {
   ReturnWriter();
   /// Starts over in this scan, which stays where it is; what was in it is lost. `expected`: returns.
   void begin(Scan& scan, std::size_t expected);
-  void add(const FiredBeams& beams, const FiredNames& names);
+  void add(const FiredBeams& beams, const FiredNames& names) {
+    wrote(write_(beams, names, room_for(names.beams)));
+  }
+  /// Where the returns of so many beams may be written by others; wrote() says how many they were.
+  detail::ReturnTargets room_for(int beams) {
+    const std::size_t needed = size_ + static_cast<std::size_t>(beams) + spare;
+    if (needed > room_) grow(needed);
+    return {scan_->points.data()->data() + 3 * size_,
+            scan_->range.data() + size_,
+            scan_->intensity.data() + size_,
+            scan_->ring.data() + size_,
+            scan_->column.data() + size_,
+            scan_->time.data() + size_};
+  }
+  void wrote(std::size_t returns) { size_ += returns; }
   /// Cuts the arrays to what was written.
   void finish();
 
@@ -46,7 +70,8 @@ class ReturnWriter {
 
  private:
   using Write = std::size_t(const FiredBeams&, const FiredNames&, const detail::ReturnTargets&);
-  static Write* fastest();  ///< what suits this processor
+  static constexpr std::size_t spare = 16;  // written beyond the last return
+  static Write* fastest();                  ///< what suits this processor
   void resize(std::size_t returns);
   void grow(std::size_t needed);
 
@@ -60,22 +85,13 @@ class ReturnWriter {
 
 namespace detail {
 
-/// Where the next returns go. Up to sixteen beyond what they return may be overwritten.
-struct ReturnTargets {
-  float* points;
-  float* range;
-  float* intensity;
-  std::uint16_t* ring;
-  std::uint32_t* column;
-  std::int64_t* time;
-};
 /// The number of returns.
 std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names,
                                    const ReturnTargets& out);
 #if defined(__x86_64__)
 /// The same numbers; only where the processor has AVX2.
 std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
-/// Where it has AVX-512 with F, BW and VL.
+/// Where has_avx512().
 std::size_t write_returns_avx512(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
 #endif
 

@@ -39,7 +39,12 @@ OusterGeometry make_ouster_geometry(const OusterMetadata& metadata) {
         2 * std::numbers::pi * (1.0 - column / static_cast<double>(metadata.columns_per_frame));
     Eigen::Matrix3d turn;
     turn << std::cos(encoder), -std::sin(encoder), 0, std::sin(encoder), std::cos(encoder), 0, 0, 0, 1;
-    out.columns.push_back({R * turn});
+    const Eigen::Matrix3d M = R * turn;
+    const Eigen::Matrix3f single = M.cast<float>();
+    const Eigen::Vector3d base = out.t + M * Eigen::Vector3d(out.origin_x, 0, out.origin_z);
+    const bool upright =
+        single.row(2) == Eigen::RowVector3f(0, 0, 1) && single.col(2) == Eigen::Vector3f(0, 0, 1);
+    out.columns.push_back({M, single, base.cast<float>(), upright});
   }
   return out;
 }

@@ -15,6 +15,11 @@ struct OusterGeometry {
   /// Of a column: rotation by the encoder, then lidar_to_sensor.
   struct Column {
     Eigen::Matrix3d M;
+    // In single precision, with the beams' origin where their ranges are 0.
+    Eigen::Matrix3f turn;
+    Eigen::Vector3f base;  ///< m
+    /// As nearly all sensors are set up, z is that of the head: turn's third row and column are those of 1.
+    bool upright;
   };
   /// Of rows, with the angles of their beams relative to the encoder: cos(altitude) cos(azimuth),
   /// cos(altitude) sin(azimuth), sin(altitude).

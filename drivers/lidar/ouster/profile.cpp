@@ -3,8 +3,10 @@
 #include <array>
 #include <utility>
 
+#include "drivers/lidar/avx512.h"
 #include "drivers/lidar/bytes.h"
 #include "drivers/lidar/ouster/pixel_words.h"
+#include "drivers/lidar/ouster/sixteen_pixel_words.h"
 
 namespace ca2 {
 namespace {
@@ -137,12 +139,42 @@ __attribute__((target("avx2"))) void decode_column_avx2(const std::uint8_t* pixe
   }
   decode_rows<index>(pixels, row, rows, out);
 }
+
+template <std::size_t index, OusterField field, class T>
+CA2_AVX512 inline void decode_sixteen(const SixteenPixelWords<layouts[index].pixel_bytes / 4>& words, int row,
+                                      T* out) {
+  if (out) {
+    store_sixteen<field.bit % 32, field.width, field.shift>(words.template word<field.bit / 32>(), out + row);
+  }
+}
+
+/// Sixteen pixels at a time.
+template <std::size_t index>
+CA2_AVX512 void decode_column_avx512(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
+  const OusterPixels to = out;  // which what is written cannot change
+  constexpr OusterProfile p = layouts[index];
+  int row = 0;
+  for (; row + 16 <= rows; row += 16) {
+    const SixteenPixelWords<p.pixel_bytes / 4> words(pixels + row * p.pixel_bytes);
+    decode_sixteen<index, p.range[0]>(words, row, to.range[0]);
+    decode_sixteen<index, p.reflectivity[0]>(words, row, to.reflectivity[0]);
+    if constexpr (p.signal[0].present()) decode_sixteen<index, p.signal[0]>(words, row, to.signal[0]);
+    if constexpr (p.dual()) {
+      decode_sixteen<index, p.range[1]>(words, row, to.range[1]);
+      decode_sixteen<index, p.reflectivity[1]>(words, row, to.reflectivity[1]);
+      if constexpr (p.signal[1].present()) decode_sixteen<index, p.signal[1]>(words, row, to.signal[1]);
+    }
+    if constexpr (p.near_ir.present()) decode_sixteen<index, p.near_ir>(words, row, to.near_ir);
+  }
+  decode_rows<index>(pixels, row, rows, out);
+}
 #endif
 
 template <std::size_t index>
 void decode_column(const std::uint8_t* pixels, int rows, const OusterPixels& out) {
 #if defined(__x86_64__)
   static const bool avx2 = __builtin_cpu_supports("avx2");
+  if (has_avx512()) return decode_column_avx512<index>(pixels, rows, out);
   if (avx2) return decode_column_avx2<index>(pixels, rows, out);
 #endif
   decode_column_portable<index>(pixels, rows, out);
@@ -153,6 +185,9 @@ constexpr auto with_decoders(std::index_sequence<index...>) {
   auto out = layouts;
   ((out[index].decode = &decode_column<index>), ...);
   ((out[index].decode_portable = &decode_column_portable<index>), ...);
+#if defined(__x86_64__)
+  ((out[index].decode_avx2 = &decode_column_avx2<index>), ...);
+#endif
   return out;
 }
 constexpr auto profiles = with_decoders(std::make_index_sequence<layouts.size()>());

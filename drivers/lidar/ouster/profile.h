@@ -36,7 +36,9 @@ struct OusterProfile {
   OusterField signal[2];        ///< photons
   OusterField near_ir;          ///< photons
   OusterColumnDecoder decode = nullptr;
-  OusterColumnDecoder decode_portable = nullptr;  ///< the same numbers, on any processor
+  // The same numbers.
+  OusterColumnDecoder decode_portable = nullptr;  ///< on any processor
+  OusterColumnDecoder decode_avx2 = nullptr;      ///< where it has AVX2; nullptr: not a kind that may
 
   constexpr bool legacy() const { return name == "LEGACY"; }
   constexpr bool dual() const { return range[1].present(); }

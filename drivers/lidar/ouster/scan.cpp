@@ -1,35 +1,22 @@
 #include <algorithm>
 #include <array>
 
+#include "drivers/lidar/avx512.h"
 #include "drivers/lidar/lanes.h"
+#include "drivers/lidar/ouster/column_returns.h"
 #include "drivers/lidar/ouster/frame.h"
-#include "drivers/lidar/return_writer.h"
 
 namespace ca2 {
-namespace {
 
-/// One return of a column as the frame has it, readable in whole lanes.
-struct ColumnPixels {
-  const std::uint32_t* range;  ///< mm
-  const std::uint8_t* reflectivity;
-  int rows;
-};
-
-/// The geometry's formula in single precision: within 2e-7 of the range, 20 um at 100 m, where the sensor's
-/// step is 1 mm.
-/// Rows without a return are computed too, which is cheaper than a branch taken at random.
-CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column, const ColumnPixels& pixels,
-                              FiredBeams& out) {
-  const Eigen::Matrix3f M = geometry.columns[column].M.cast<float>();
-  const Eigen::Vector3f base =
-      (geometry.t + geometry.columns[column].M * Eigen::Vector3d(geometry.origin_x, 0, geometry.origin_z))
-          .cast<float>();
+CA2_LANES void detail::project_ouster_column(const OusterGeometry& geometry, std::size_t column,
+                                             const std::uint32_t* ranges, int rows, FiredBeams& out) {
+  const Eigen::Matrix3f M = geometry.columns[column].turn;
+  const Eigen::Vector3f base = geometry.columns[column].base;
   const auto origin = static_cast<float>(geometry.origin_range);
-  // As nearly all sensors are set up, z is that of the head; what is left out below is multiplied by 0 or 1.
-  const bool upright = M.row(2) == Eigen::RowVector3f(0, 0, 1) && M.col(2) == Eigen::Vector3f(0, 0, 1);
-  for (int row = 0; row < pixels.rows; row += lanes::count) {
+  const bool upright = geometry.columns[column].upright;
+  for (int row = 0; row < rows; row += lanes::count) {
     lanes::Floats range, a, b, c;
-    lanes::load(range, pixels.range + row);
+    lanes::load(range, ranges + row);
     lanes::load(a, geometry.a_lanes.data() + row);
     lanes::load(b, geometry.b_lanes.data() + row);
     lanes::load(c, geometry.c_lanes.data() + row);
@@ -37,6 +24,7 @@ CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column
     const lanes::Floats p = range - origin;
     lanes::Floats x = M(0, 0) * a + M(0, 1) * b, y = M(1, 0) * a + M(1, 1) * b, z = c;
     if (!upright) {
+      // Else multiplied by 0 or 1.
       x = x + M(0, 2) * c;
       y = y + M(1, 2) * c;
       z = M(2, 0) * a + M(2, 1) * b + M(2, 2) * c;
@@ -47,6 +35,8 @@ CA2_LANES void project_column(const OusterGeometry& geometry, std::size_t column
     lanes::store(out.range + row, range);
   }
 }
+
+namespace {
 
 /// What is the same for every column.
 struct RowNames {
@@ -61,23 +51,36 @@ void add_column(const OusterFrame& frame, const OusterGeometry& geometry, int re
                 ReturnWriter& writer) {
   static const RowNames rows;
   const std::size_t first = column * static_cast<std::size_t>(frame.rows);
-  ColumnPixels pixels{&frame.range[ret][first], &frame.reflectivity[ret][first], frame.rows};
+  // All rows are measured at once.
+  FiredNames names{&frame.range[ret][first],
+                   &frame.reflectivity[ret][first],
+                   rows.ring.data(),
+                   nullptr,
+                   static_cast<std::uint32_t>(column),
+                   static_cast<std::int64_t>(frame.timestamp[column]),
+                   frame.rows};
+#if defined(__x86_64__)
+  static const bool avx512 = has_avx512();
+  if (avx512) {
+    const detail::ReturnTargets out = writer.room_for(frame.rows);
+    writer.wrote(detail::write_ouster_column_avx512(geometry, column, names, out));
+    return;
+  }
+#endif
   std::array<std::uint32_t, FiredBeams::most> range;
   std::array<std::uint8_t, FiredBeams::most> reflectivity;
   if (frame.rows % lanes::count != 0) {
     // The last lanes would reach into the next column, or beyond the last one.
     range.fill(0);
     reflectivity.fill(0);
-    std::copy_n(pixels.range, frame.rows, range.begin());
-    std::copy_n(pixels.reflectivity, frame.rows, reflectivity.begin());
-    pixels = {range.data(), reflectivity.data(), frame.rows};
+    std::copy_n(names.counts, frame.rows, range.begin());
+    std::copy_n(names.intensity, frame.rows, reflectivity.begin());
+    names.counts = range.data();
+    names.intensity = reflectivity.data();
   }
   FiredBeams beams;
-  project_column(geometry, column, pixels, beams);
-  // All rows are measured at once.
-  writer.add(beams, {pixels.range, pixels.reflectivity, rows.ring.data(), nullptr,
-                     static_cast<std::uint32_t>(column), static_cast<std::int64_t>(frame.timestamp[column]),
-                     frame.rows});
+  detail::project_ouster_column(geometry, column, names.counts, frame.rows, beams);
+  writer.add(beams, names);
 }
 
 /// The same returns in the same order, unhurried.

@@ -1,10 +1,17 @@
-// Pixels of every packet profile: the loops for newer processors read what the portable ones do.
+// Pixels of every packet profile, and columns as returns: the loops for newer processors give what the
+// portable ones do.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cstring>
 #include <random>
 #include <vector>
 
+#include "drivers/lidar/avx512.h"
+#include "drivers/lidar/model.h"
+#include "drivers/lidar/ouster/column_returns.h"
 #include "drivers/lidar/ouster/profile.h"
 
 namespace ca2 {
@@ -41,11 +48,81 @@ TEST(OusterColumns, EveryProcessorReadsTheSame) {
         profile.decode_portable(bytes.data(), rows, portable.pixels(all_fields));
         profile.decode(bytes.data(), rows, here.pixels(all_fields));
         EXPECT_EQ(here, portable) << profile.name << ", " << rows << " rows";
+#if defined(__x86_64__)
+        if (__builtin_cpu_supports("avx2")) {
+          Column avx2;
+          profile.decode_avx2(bytes.data(), rows, avx2.pixels(all_fields));
+          EXPECT_EQ(avx2, portable) << profile.name << ", " << rows << " rows";
+        }
+#endif
         EXPECT_NE(here, Column{}) << profile.name;
       }
     }
   }
 }
+
+#if defined(__x86_64__)
+struct Returns {
+  static constexpr std::size_t most = 144;
+  std::array<float, 3 * most> points{};
+  std::array<float, most> range{}, intensity{};
+  std::array<std::uint16_t, most> ring{};
+  std::array<std::uint32_t, most> column{};
+  std::array<std::int64_t, most> time{};
+
+  detail::ReturnTargets targets() {
+    return {points.data(), range.data(), intensity.data(), ring.data(), column.data(), time.data()};
+  }
+  /// So many of them, as bytes: a NaN is equal to itself.
+  bool same(const Returns& other, std::size_t n) const {
+    const auto equal = [n](const auto& a, const auto& b, std::size_t each) {
+      return std::memcmp(a.data(), b.data(), n * each * sizeof a[0]) == 0;
+    };
+    return equal(points, other.points, 3) && equal(range, other.range, 1) &&
+           equal(intensity, other.intensity, 1) && equal(ring, other.ring, 1) &&
+           equal(column, other.column, 1) && equal(time, other.time, 1);
+  }
+};
+
+TEST(OusterColumns, EveryProcessorWritesTheSameReturns) {
+  if (!has_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
+  std::mt19937_64 random(2);
+  const OusterModel& model = *(*find_lidar_model("OS0-128"))->ouster();
+  const OusterMetadata upright = nominal_ouster_metadata(model, 1024, 10, "RNG19_RFL8_SIG16_NIR16");
+  OusterMetadata tilted = upright;
+  const Eigen::AngleAxisd tilt(0.3, Eigen::Vector3d(1, 2, 3).normalized());
+  tilted.lidar_to_sensor.topLeftCorner<3, 3>() = tilt.toRotationMatrix();
+  for (const OusterMetadata& metadata : {upright, tilted}) {
+    const OusterGeometry geometry = make_ouster_geometry(metadata);
+    EXPECT_EQ(geometry.columns[5].upright, metadata.lidar_to_sensor(2, 2) == 1);
+    for (const int rows : {1, 7, 8, 9, 16, 31, 64, 127, 128}) {
+      for (const unsigned missing : {0u, 1u, 7u, 8u}) {  // of eight
+        const std::size_t column = random() % 1024;
+        // Exactly as long as the rows are: where more was read, a sanitizer says so.
+        std::vector<std::uint32_t> ranges(static_cast<std::size_t>(rows));
+        std::vector<std::uint8_t> intensity(ranges.size());
+        std::vector<std::uint16_t> rings(ranges.size());
+        for (std::size_t i = 0; i < ranges.size(); ++i) {
+          ranges[i] = random() % 8 < missing ? 0 : static_cast<std::uint32_t>(1 + random() % 0xfffff);
+          intensity[i] = static_cast<std::uint8_t>(random());
+          rings[i] = static_cast<std::uint16_t>(random());
+        }
+        const FiredNames names{
+            ranges.data(), intensity.data(), rings.data(), nullptr, 17, 1'700'000'000'123'456'789, rows};
+        std::array<std::uint32_t, FiredBeams::most> padded{};
+        std::copy(ranges.begin(), ranges.end(), padded.begin());
+        FiredBeams beams;
+        detail::project_ouster_column(geometry, column, padded.data(), rows, beams);
+        Returns portable, sixteens;
+        const std::size_t n = detail::write_returns_portable(beams, names, portable.targets());
+        ASSERT_EQ(detail::write_ouster_column_avx512(geometry, column, names, sixteens.targets()), n);
+        EXPECT_TRUE(portable.same(sixteens, n)) << rows << " rows";
+        EXPECT_EQ(n, ranges.size() - static_cast<std::size_t>(std::count(ranges.begin(), ranges.end(), 0u)));
+      }
+    }
+  }
+}
+#endif
 
 }  // namespace
 }  // namespace ca2
