@@ -9,9 +9,9 @@ namespace ca2 {
 namespace detail {
 
 /// Every beam is written and counted if it is a return: cheaper than a branch taken at random.
-std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names,
-                                   const ReturnTargets& out) {
-  std::size_t n = 0;
+std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out,
+                                   std::size_t at) {
+  std::size_t n = at;
   for (int i = 0; i < names.beams; ++i) {
     const int beam = names.first + i;
     out.points[3 * n] = beams.x[beam];
@@ -59,11 +59,24 @@ void ReturnWriter::begin(Scan& scan, std::size_t expected) {
   const auto least = [](const auto& sizes) { return *std::min_element(sizes.begin(), sizes.end()); };
   room_ = least(of_arrays(scan, [](const auto& array) { return array.size(); }));
   memory_ = least(of_arrays(scan, [](const auto& array) { return array.capacity(); }));
+  find_targets();
 }
 
 void ReturnWriter::resize(std::size_t returns) {
   of_arrays(*scan_, [&](auto& array) { return array.resize(returns), 0; });
   room_ = returns;
+  find_targets();
+}
+
+void ReturnWriter::find_targets() {
+  // Of no points, there is no first one.
+  float* const points = scan_->points.empty() ? nullptr : scan_->points.front().data();
+  targets_ = {points,
+              scan_->range.data(),
+              scan_->intensity.data(),
+              scan_->ring.data(),
+              scan_->column.data(),
+              scan_->time.data()};
 }
 
 /// A vector clears what it grows by: a little at a time, which is then in the cache when it is written.

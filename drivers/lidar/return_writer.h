@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "core/types/scan.h"
 
@@ -29,7 +30,7 @@ struct FiredNames {
 
 namespace detail {
 
-/// Where the next returns go. Up to sixteen beyond what they return may be overwritten.
+/// The arrays of a scan.
 struct ReturnTargets {
   float* points;
   float* range;
@@ -49,34 +50,33 @@ class ReturnWriter {
   /// Starts over in this scan, which stays where it is; what was in it is lost. `expected`: returns.
   void begin(Scan& scan, std::size_t expected);
   void add(const FiredBeams& beams, const FiredNames& names) {
-    wrote(write_(beams, names, room_for(names.beams)));
+    add_by(names.beams,
+           [&](const detail::ReturnTargets& out, std::size_t at) { return write_(beams, names, out, at); });
   }
-  /// Where the returns of so many beams may be written by others; wrote() says how many they were.
-  detail::ReturnTargets room_for(int beams) {
+  /// The same of so many beams by other means: write(targets, at) writes from that place on, as
+  /// detail::write_returns_portable() does.
+  template <class OtherWrite>
+  void add_by(int beams, const OtherWrite& write) {
     const std::size_t needed = size_ + static_cast<std::size_t>(beams) + spare;
     if (needed > room_) grow(needed);
-    return {scan_->points.data()->data() + 3 * size_,
-            scan_->range.data() + size_,
-            scan_->intensity.data() + size_,
-            scan_->ring.data() + size_,
-            scan_->column.data() + size_,
-            scan_->time.data() + size_};
+    size_ = write(std::as_const(targets_), size_);
   }
-  void wrote(std::size_t returns) { size_ += returns; }
   /// Cuts the arrays to what was written.
   void finish();
 
   std::size_t size() const { return size_; }
 
  private:
-  using Write = std::size_t(const FiredBeams&, const FiredNames&, const detail::ReturnTargets&);
+  using Write = std::size_t(const FiredBeams&, const FiredNames&, const detail::ReturnTargets&, std::size_t);
   static constexpr std::size_t spare = 16;  // written beyond the last return
   static Write* fastest();                  ///< what suits this processor
   void resize(std::size_t returns);
   void grow(std::size_t needed);
+  void find_targets();
 
   Write* write_;
   Scan* scan_ = nullptr;
+  detail::ReturnTargets targets_{};  ///< scan_'s
   std::size_t expected_ = 0;
   std::size_t room_ = 0;    ///< what the smallest of the arrays holds
   std::size_t memory_ = 0;  ///< what they could hold without moving
@@ -85,14 +85,17 @@ class ReturnWriter {
 
 namespace detail {
 
-/// The number of returns.
-std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names,
-                                   const ReturnTargets& out);
+/// Writes returns from place `at` on, and says where the next ones go. Up to sixteen beyond may be
+/// overwritten.
+std::size_t write_returns_portable(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out,
+                                   std::size_t at);
 #if defined(__x86_64__)
 /// The same numbers; only where the processor has AVX2.
-std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
+std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out,
+                               std::size_t at);
 /// Where has_avx512().
-std::size_t write_returns_avx512(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out);
+std::size_t write_returns_avx512(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out,
+                                 std::size_t at);
 #endif
 
 }  // namespace detail

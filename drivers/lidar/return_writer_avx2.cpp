@@ -54,13 +54,13 @@ __attribute__((target("avx2"))) inline void store_points(float* out, __m256 x, _
 template <bool delayed>
 __attribute__((target("avx2,popcnt"))) std::size_t write_eights(const FiredBeams& beams,
                                                                 const FiredNames& names,
-                                                                const ReturnTargets& out) {
+                                                                const ReturnTargets& out, std::size_t at) {
   // In variables of their own, which what is written cannot change.
   const FiredNames in = names;
   const ReturnTargets to = out;
   const __m256i zero = _mm256_setzero_si256(), time = _mm256_set1_epi64x(in.time);
   const __m256i column = _mm256_set1_epi32(static_cast<int>(in.column));
-  std::size_t n = 0;
+  std::size_t n = at;
   const auto eight = [&](int i, unsigned wanted) __attribute__((target("avx2,popcnt"), always_inline)) {
     const __m256i missing = _mm256_cmpeq_epi32(load256(in.counts + i), zero);
     const unsigned kept = ~static_cast<unsigned>(_mm256_movemask_ps(_mm256_castsi256_ps(missing))) & wanted;
@@ -94,8 +94,9 @@ __attribute__((target("avx2,popcnt"))) std::size_t write_eights(const FiredBeams
 
 }  // namespace
 
-std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out) {
-  return names.delay ? write_eights<true>(beams, names, out) : write_eights<false>(beams, names, out);
+std::size_t write_returns_avx2(const FiredBeams& beams, const FiredNames& names, const ReturnTargets& out,
+                               std::size_t at) {
+  return names.delay ? write_eights<true>(beams, names, out, at) : write_eights<false>(beams, names, out, at);
 }
 
 }  // namespace ca2::detail

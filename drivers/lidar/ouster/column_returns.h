@@ -16,10 +16,10 @@ void project_ouster_column(const OusterGeometry& geometry, std::size_t column, c
                            int rows, FiredBeams& out);
 
 #if defined(__x86_64__)
-/// The same numbers, written in the same step; only where has_avx512(). `names` need not be readable beyond
-/// its beams. The number of returns.
+/// The same numbers, written in the same step as write_returns_portable() writes; only where has_avx512().
+/// `names` need not be readable beyond its beams.
 std::size_t write_ouster_column_avx512(const OusterGeometry& geometry, std::size_t column,
-                                       const FiredNames& names, const ReturnTargets& out);
+                                       const FiredNames& names, const ReturnTargets& out, std::size_t at);
 #endif
 
 }  // namespace ca2::detail

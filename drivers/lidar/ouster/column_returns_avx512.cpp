@@ -8,7 +8,7 @@ namespace {
 
 template <bool upright>
 CA2_AVX512 std::size_t write_rows(const OusterGeometry& geometry, std::size_t column, const FiredNames& names,
-                                  const ReturnTargets& out) {
+                                  const ReturnTargets& out, std::size_t at) {
   const float *const a_rows = geometry.a_lanes.data(), *const b_rows = geometry.b_lanes.data(),
                      *const c_rows = geometry.c_lanes.data();
   const Eigen::Matrix3f& M = geometry.columns[column].turn;
@@ -33,15 +33,17 @@ CA2_AVX512 std::size_t write_rows(const OusterGeometry& geometry, std::size_t co
     }
     return SixteenPlaces{p * x + base_x, p * y + base_y, p * z + base_z, range};
   };
-  return write_sixteens<false>(names, out, places);
+  const auto beams = [&](int row, __mmask16 here) CA2_AVX512 { return load_sixteen(names, row, here); };
+  return write_sixteens<false>(names, out, at, beams, places);
 }
 
 }  // namespace
 
 CA2_AVX512 std::size_t write_ouster_column_avx512(const OusterGeometry& geometry, std::size_t column,
-                                                  const FiredNames& names, const ReturnTargets& out) {
-  return geometry.columns[column].upright ? write_rows<true>(geometry, column, names, out)
-                                          : write_rows<false>(geometry, column, names, out);
+                                                  const FiredNames& names, const ReturnTargets& out,
+                                                  std::size_t at) {
+  return geometry.columns[column].upright ? write_rows<true>(geometry, column, names, out, at)
+                                          : write_rows<false>(geometry, column, names, out, at);
 }
 
 }  // namespace ca2::detail

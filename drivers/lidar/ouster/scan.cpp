@@ -62,8 +62,9 @@ void add_column(const OusterFrame& frame, const OusterGeometry& geometry, int re
 #if defined(__x86_64__)
   static const bool avx512 = has_avx512();
   if (avx512) {
-    const detail::ReturnTargets out = writer.room_for(frame.rows);
-    writer.wrote(detail::write_ouster_column_avx512(geometry, column, names, out));
+    writer.add_by(frame.rows, [&](const detail::ReturnTargets& out, std::size_t at) {
+      return detail::write_ouster_column_avx512(geometry, column, names, out, at);
+    });
     return;
   }
 #endif

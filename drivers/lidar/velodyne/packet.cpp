@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
 
 namespace ca2 {
 namespace {
@@ -32,7 +31,7 @@ Layout hdl_64e_layout(const std::uint8_t* packet) {
 }
 
 /// `bits`: the number of banks is two to the power of these.
-__attribute__((always_inline)) inline Place find_place(Layout layout, int block, int bits) {
+constexpr Place find_place(Layout layout, int block, int bits) {
   // With pairs and triples the strongest comes second on the wire and is given out first.
   constexpr int order[] = {1, 0, -1};
   switch (layout) {
@@ -50,6 +49,25 @@ __attribute__((always_inline)) inline Place find_place(Layout layout, int block,
   return {0, -1};
 }
 
+using Places = std::array<Place, P::blocks>;
+
+/// The same of all blocks, found once.
+const Places& find_places(Layout layout, int bits) {
+  constexpr std::size_t layouts = static_cast<std::size_t>(Layout::apart) + 1, bank_bits = 3;
+  static constexpr auto all = [] {
+    std::array<std::array<Places, bank_bits>, layouts> out{};
+    for (std::size_t i = 0; i < layouts; ++i) {
+      for (std::size_t j = 0; j < bank_bits; ++j) {
+        for (std::size_t block = 0; block < P::blocks; ++block) {
+          out[i][j][block] = find_place(static_cast<Layout>(i), static_cast<int>(block), static_cast<int>(j));
+        }
+      }
+    }
+    return out;
+  }();
+  return all[static_cast<std::size_t>(layout)][static_cast<std::size_t>(bits)];
+}
+
 int bits_of(int banks) {
   return std::countr_zero(static_cast<unsigned>(banks));
 }
@@ -60,27 +78,28 @@ int used_blocks(Layout layout, int banks) {
 }
 
 int signed_step(int from, int to) {
-  const int step = (to - from + P::azimuth_turn) % P::azimuth_turn;
+  int step = to - from;
+  if (step < 0) step += P::azimuth_turn;
+  if (step >= P::azimuth_turn) step -= P::azimuth_turn;
   return step > P::azimuth_turn / 2 ? step - P::azimuth_turn : step;
 }
 
 /// The mean step from block to block, which is finer than the 0.01 degree of the wire; the median where some
 /// step is far off (a field of view begins, a block is damaged).
 void steps_by_time(VelodyneFirings& firings) {
+  const int n = firings.count - 1;
+  if (n < 1) return;
   std::array<int, P::blocks> steps{};
-  int n = 0;
-  for (int i = 1; i < firings.count; ++i) {
-    steps[static_cast<std::size_t>(n++)] =
-        signed_step(firings.firing[static_cast<std::size_t>(i - 1)].azimuth,
-                    firings.firing[static_cast<std::size_t>(i)].azimuth);
+  int least = P::azimuth_turn, most = -P::azimuth_turn, sum = 0;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    steps[i] = signed_step(firings.firing[i].azimuth, firings.firing[i + 1].azimuth);
+    least = std::min(least, steps[i]);
+    most = std::max(most, steps[i]);
+    sum += steps[i];
   }
-  if (n == 0) return;
-  const auto [least, most] = std::minmax_element(steps.begin(), steps.begin() + n);
   constexpr int jitter = 8;
-  double step = 0;
-  if (*most - *least <= jitter) {
-    step = static_cast<double>(std::accumulate(steps.begin(), steps.begin() + n, 0)) / n;
-  } else {
+  double step = static_cast<double>(sum) / n;
+  if (most - least > jitter) {
     std::nth_element(steps.begin(), steps.begin() + n / 2, steps.begin() + n);
     step = steps[static_cast<std::size_t>(n / 2)];
   }
@@ -184,13 +203,13 @@ void read_velodyne_firings(const VelodyneModel& model, VelodyneLayout layout, Ve
                            const std::uint8_t* packet, VelodyneFirings& out) {
   const int banks = layout == Layout::apart ? 1 : model.blocks_per_firing();
   const int per_block = model.firings_per_block();
-  const int bits = bits_of(banks);
+  const Places& places = find_places(layout, bits_of(banks));
   out.count = out.bad_blocks = 0;
   std::array<bool, VelodyneFirings::most> seen{};
   int last = -1;
   for (int b = 0; b < used_blocks(layout, banks); ++b) {
     const std::uint8_t* block = P::block(packet, b);
-    const Place place = find_place(layout, b, bits);
+    const Place place = places[static_cast<std::size_t>(b)];
     const int bank = velodyne_bank(P::flag(block));
     const int azimuth = P::azimuth(block);
     if (bank < 0 || bank * P::channels >= std::max(model.lasers, P::channels) || azimuth >= P::azimuth_turn) {

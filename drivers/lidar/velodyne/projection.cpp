@@ -5,7 +5,8 @@
 #include <numbers>
 #include <span>
 
-#include "drivers/lidar/lanes.h"
+#include "drivers/lidar/avx512.h"
+#include "drivers/lidar/velodyne/block_returns.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -89,44 +90,6 @@ void leave_one_of_equal(Block& firsts, Block& lasts, int channels, bool second_r
   }
 }
 
-/// Where the head looks and how the lasers are turned from there.
-struct Head {
-  float sine, cosine;
-  const VelodyneProjection::Turned& turned;
-};
-
-/// In single precision: within 4e-7 of the range, 40 um at 100 m, where the wire's step is 2 mm. Lasers
-/// without a return are computed too.
-CA2_LANES void project_block(const Block& block, const Bank& bank, const Head& head, float lsb, bool sideways,
-                             int lasers, FiredBeams& out) {
-  for (int i = 0; i < lasers; i += lanes::count) {
-    const auto at = static_cast<std::size_t>(i);
-    lanes::Floats counts, turn_sine, turn_cosine, distance, cos_vertical, sin_vertical, v;
-    lanes::load(counts, &block.counts[at]);
-    lanes::load(turn_sine, &head.turned.sine[at]);
-    lanes::load(turn_cosine, &head.turned.cosine[at]);
-    lanes::load(distance, &bank.distance[at]);
-    lanes::load(cos_vertical, &bank.cos_vertical[at]);
-    lanes::load(sin_vertical, &bank.sin_vertical[at]);
-    lanes::load(v, &bank.vertical_offset[at]);
-    const lanes::Floats sine = head.sine * turn_cosine + head.cosine * turn_sine;
-    const lanes::Floats cosine = head.cosine * turn_cosine - head.sine * turn_sine;
-    const lanes::Floats range = counts * lsb + distance;
-    const lanes::Floats flat = range * cos_vertical;
-    lanes::Floats x = flat * sine, y = flat * cosine;
-    if (sideways) {
-      lanes::Floats h;
-      lanes::load(h, &bank.horizontal_offset[at]);
-      x = x - h * cosine;
-      y = y + h * sine;
-    }
-    lanes::store(out.x + i, x);
-    lanes::store(out.y + i, y);
-    lanes::store(out.z + i, range * sin_vertical + v);
-    lanes::store(out.range + i, range);
-  }
-}
-
 /// The manual's correction of intensities for the distance of the lasers' focus, in whole numbers as
 /// VeloView.
 void correct_intensities(Block& block, const Bank& bank, int lasers) {
@@ -178,6 +141,9 @@ VelodyneProjection::VelodyneProjection(const VelodyneModel& model, const Velodyn
   ring_.resize(banks_.size() * P::channels);
   delay_.resize(banks_.size() * P::channels);
   set_cycle(model.cycle);
+#if defined(__x86_64__)
+  at_once_ = has_avx512() && !two_point_ && !corrected_intensity_;
+#endif
 }
 
 void VelodyneProjection::set_cycle(double cycle) {
@@ -246,13 +212,11 @@ ExactReturn VelodyneProjection::exact_return(std::size_t laser, const Returns& r
   return out;
 }
 
-void VelodyneProjection::find_places(Returns& returns, std::size_t bank, bool rounded) {
-  const auto& [sine, cosine] = head_[static_cast<std::size_t>(returns.azimuth)];
-  const Head head{sine, cosine, motion(returns.step, rounded).turned[bank]};
-  const int channels = fired_ * per_block_;
-  project_block(returns.block, banks_[bank], head, static_cast<float>(lsb_), sideways_, channels,
-                returns.beams);
-  if (corrected_intensity_) correct_intensities(returns.block, banks_[bank], channels);
+detail::VelodyneBlockPlace VelodyneProjection::place_of(int azimuth, double step, std::size_t bank,
+                                                        bool rounded) {
+  const auto& [sine, cosine] = head_[static_cast<std::size_t>(azimuth)];
+  return {sine,     cosine, motion(step, rounded).turned[bank], banks_[bank], static_cast<float>(lsb_),
+          sideways_};
 }
 
 void VelodyneProjection::add_exact(Returns& returns, std::size_t bank, bool rounded, int half,
@@ -280,37 +244,61 @@ void VelodyneProjection::fetch(const VelodyneFirings& firings) const {
 
 void VelodyneProjection::project(const VelodyneFiring& firing, std::int64_t time, std::uint32_t column,
                                  bool second_returns, ReturnWriter& out, std::vector<ExactReturn>* exact) {
+  const int channels = fired_ * per_block_;
   for (std::size_t bank = 0; bank < banks_.size(); ++bank) {
     const std::uint8_t* first = firing.blocks[0][bank];
     const std::uint8_t* second = firing.blocks[1][bank];
     if (!first) std::swap(first, second);
     if (!first) continue;
+    const std::size_t laser = bank * P::channels;
+    const auto names_of = [&](const Block& block, int half) {
+      const auto channel = static_cast<std::size_t>(half * fired_);
+      return FiredNames{&block.counts[channel],
+                        &block.intensity[channel],
+                        &ring_[laser],
+                        &delay_[laser],
+                        column + static_cast<std::uint32_t>(half),
+                        time + after_cycles_[static_cast<std::size_t>(firing.cycle + half)],
+                        fired_,
+                        half * fired_};
+    };
+#if defined(__x86_64__)
+    if (at_once_ && !second && !exact) {
+      const detail::VelodyneBlockPlace place =
+          place_of(firing.azimuth, firing.step[bank], bank, firing.rounded);
+      for (int half = 0; half < per_block_; ++half) {
+        out.add_by(fired_, [&](const detail::ReturnTargets& to, std::size_t at) {
+          return detail::write_velodyne_block_avx512(first, place, names_of(returns_[0].block, half), to, at);
+        });
+      }
+      continue;
+    }
+#endif
     const std::span<Returns> all(returns_.data(), second ? 2 : 1);
     for (Returns& returns : all) {
       returns.azimuth = firing.azimuth;
       returns.step = firing.step[bank];
     }
-    read_block(first, fired_ * per_block_, all.front().block);
+    read_block(first, channels, all.front().block);
     if (second) {
-      read_block(second, fired_ * per_block_, all.back().block);
-      leave_one_of_equal(all.front().block, all.back().block, fired_ * per_block_, second_returns,
+      read_block(second, channels, all.back().block);
+      leave_one_of_equal(all.front().block, all.back().block, channels, second_returns,
                          firing.strongest_ahead.has_value());
       if (firing.strongest_ahead) {
         all.front().azimuth = (firing.azimuth + *firing.strongest_ahead + P::azimuth_turn) % P::azimuth_turn;
         all.front().step = 0;
       }
     }
-    for (Returns& returns : all) find_places(returns, bank, firing.rounded);
-    const std::size_t laser = bank * P::channels;
+    for (Returns& returns : all) {
+      detail::project_velodyne_block(returns.block,
+                                     place_of(returns.azimuth, returns.step, bank, firing.rounded), channels,
+                                     returns.beams);
+      if (corrected_intensity_) correct_intensities(returns.block, banks_[bank], channels);
+    }
     for (int half = 0; half < per_block_; ++half) {
-      const auto channel = static_cast<std::size_t>(half * fired_);
-      const std::int64_t start = time + after_cycles_[static_cast<std::size_t>(firing.cycle + half)];
       for (Returns& returns : all) {
         if (exact || two_point_) add_exact(returns, bank, firing.rounded, half, exact);
-        out.add(returns.beams,
-                {returns.block.counts.data() + channel, returns.block.intensity.data() + channel,
-                 ring_.data() + laser, delay_.data() + laser, column + static_cast<std::uint32_t>(half),
-                 start, fired_, half * fired_});
+        out.add(returns.beams, names_of(returns.block, half));
       }
     }
   }

@@ -12,6 +12,10 @@
 
 namespace ca2 {
 
+namespace detail {
+struct VelodyneBlockPlace;
+}  // namespace detail
+
 /// With D = distance + correction, a = azimuth of the head at the laser's own firing time - its rotation:
 ///   x = D cos w sin a - h cos a,  y = D cos w cos a + h sin a,  z = D sin w + v
 /// which is what VeloView computes (vertical offsets along z, not across the beam). The azimuth of the head
@@ -70,7 +74,7 @@ class VelodyneProjection {
 
   double turned(std::size_t laser, double step, bool rounded, int half) const;
   const Motion& motion(double step, bool rounded);
-  void find_places(Returns& returns, std::size_t bank, bool rounded);
+  detail::VelodyneBlockPlace place_of(int azimuth, double step, std::size_t bank, bool rounded);
   ExactReturn exact_return(std::size_t laser, const Returns& returns, bool rounded, int half,
                            std::uint32_t counts) const;
   /// The places of a firing again, in double precision: for `exact`, and where near points are corrected.
@@ -90,7 +94,8 @@ class VelodyneProjection {
   const std::pair<float, float>* head_;  ///< sine and cosine of every azimuth the wire can carry
   bool sideways_ = false;                ///< some laser has a horizontal offset
   bool two_point_ = false, corrected_intensity_ = false;
-  double cycle_ = 0;                                                    ///< s
+  bool at_once_ = false;  ///< blocks of one return are read, projected and written in one step
+  double cycle_ = 0;      ///< s
   std::array<std::int64_t, 2 * VelodyneFirings::most> after_cycles_{};  ///< ns, by number of cycles
   std::array<Motion, 64> motions_;                                      ///< by a hash of the step
   std::size_t last_motion_ = 0;

@@ -114,8 +114,8 @@ TEST(OusterColumns, EveryProcessorWritesTheSameReturns) {
         FiredBeams beams;
         detail::project_ouster_column(geometry, column, padded.data(), rows, beams);
         Returns portable, sixteens;
-        const std::size_t n = detail::write_returns_portable(beams, names, portable.targets());
-        ASSERT_EQ(detail::write_ouster_column_avx512(geometry, column, names, sixteens.targets()), n);
+        const std::size_t n = detail::write_returns_portable(beams, names, portable.targets(), 0);
+        ASSERT_EQ(detail::write_ouster_column_avx512(geometry, column, names, sixteens.targets(), 0), n);
         EXPECT_TRUE(portable.same(sixteens, n)) << rows << " rows";
         EXPECT_EQ(n, ranges.size() - static_cast<std::size_t>(std::count(ranges.begin(), ranges.end(), 0u)));
       }

@@ -106,11 +106,11 @@ TEST(ReturnWriter, EveryBodyWritesTheSame) {
       const FiredNames names =
           size > FiredBeams::most - 16 || size % 2 == 0 ? fired.names(7) : fired.later_names(7);
       Out portable;
-      const std::size_t n = detail::write_returns_portable(fired.beams, names, portable.targets());
+      const std::size_t n = detail::write_returns_portable(fired.beams, names, portable.targets(), 0);
       for (const auto write : {detail::write_returns_avx2, detail::write_returns_avx512}) {
         if (write == detail::write_returns_avx512 && !avx512) continue;
         Out vectors;
-        ASSERT_EQ(write(fired.beams, names, vectors.targets()), n);
+        ASSERT_EQ(write(fired.beams, names, vectors.targets(), 0), n);
         const auto same = [n](const auto& a, const auto& b, std::size_t each) {
           return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n * each), b.begin());
         };
