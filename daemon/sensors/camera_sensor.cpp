@@ -20,7 +20,9 @@ constexpr std::chrono::duration<double> shortest_patience{1.0};
 struct Imager {
   int camera = 0;  ///< index in the rig's order
   std::string name;
-  int width = 0, height = 0;  ///< px, as the rig says; 0: any
+  int width = 0, height = 0;      ///< px, as the rig says; 0: any
+  int stream = 0;                 ///< of the device, while it is open
+  std::uint64_t lost_before = 0;  ///< pictures, by devices that were closed
 };
 
 class CameraSensor : public SensorDevice {
@@ -30,7 +32,11 @@ class CameraSensor : public SensorDevice {
     for (const auto& [imager, name] : device_.cameras) {
       const auto entry = rig.cameras.find(name);
       const int index = static_cast<int>(std::distance(rig.cameras.begin(), entry));
-      imagers_[imager] = {index, name, entry->second.width, entry->second.height};
+      Imager& mine = imagers_[imager];
+      mine.camera = index;
+      mine.name = name;
+      mine.width = entry->second.width;
+      mine.height = entry->second.height;
     }
   }
 
@@ -38,7 +44,7 @@ class CameraSensor : public SensorDevice {
     auto source = open_camera(device_.source);
     if (!source) return fail(source.error());
     by_stream_.assign((*source)->streams().size(), nullptr);
-    for (const auto& [imager, rig_camera] : imagers_) {
+    for (auto& [imager, rig_camera] : imagers_) {
       const Result<int> stream = find_stream(**source, imager);
       if (!stream) return fail(stream.error());
       const CameraStream& found = (*source)->streams()[static_cast<std::size_t>(*stream)];
@@ -48,6 +54,7 @@ class CameraSensor : public SensorDevice {
                               rig_camera.width, rig_camera.height),
                     "intrinsics hold for one size only");
       }
+      rig_camera.stream = *stream;
       by_stream_[static_cast<std::size_t>(*stream)] = &rig_camera;
     }
     if (const auto started = (*source)->start(); !started) return started;
@@ -80,8 +87,7 @@ class CameraSensor : public SensorDevice {
       const std::lock_guard lock(mutex_);
       source = std::move(source_);
     }
-    const CameraCounters counters = source->counters();
-    lost_before_ += counters.incomplete + counters.missed + counters.overrun;
+    for (auto& [name, imager] : imagers_) imager.lost_before += source->counters_of(imager.stream).lost();
     source->stop();
     description_.clear();
   }
@@ -93,16 +99,13 @@ class CameraSensor : public SensorDevice {
   }
 
   std::map<std::string, SensorHealth> health() const override {
-    SensorHealth health;
-    health.device = description_;
-    health.lost = lost_before_;
-    if (source_) {
-      const CameraCounters counters = source_->counters();
-      health.lost += counters.incomplete + counters.missed + counters.overrun;
-    }
-    health.clock_sigma = clock_sigma_;
     std::map<std::string, SensorHealth> all;
-    for (const auto& [imager, rig_camera] : imagers_) all[rig_camera.name] = health;
+    for (const auto& [name, imager] : imagers_) {
+      SensorHealth& health = all[imager.name];
+      health.device = description_;
+      health.lost = imager.lost_before + (source_ ? source_->counters_of(imager.stream).lost() : 0);
+      health.clock_sigma = clock_sigma_;
+    }
     return all;
   }
 
@@ -122,7 +125,6 @@ class CameraSensor : public SensorDevice {
   std::vector<const Imager*> by_stream_;
   std::string description_;
   Clock::time_point last_picture_;
-  std::uint64_t lost_before_ = 0;  ///< by devices that were closed
   double clock_sigma_ = std::numeric_limits<double>::quiet_NaN();
 
   std::mutex mutex_;  ///< source_ as interrupt() sees it

@@ -63,6 +63,9 @@ struct CameraCounters {
   std::uint64_t missed = 0;      ///< gaps in the device's own count
   std::uint64_t overrun = 0;     ///< dropped by us because nobody took them in time
   std::uint64_t resent = 0;      ///< packets that came when asked for again; no frame was lost by them
+
+  /// Frames that never came to whoever asked for them.
+  std::uint64_t lost() const { return incomplete + missed + overrun; }
 };
 
 /// An open device. One thread calls start(), next() and stop(); the others may be called from any.
@@ -98,6 +101,9 @@ class CameraSource {
   }
 
   virtual CameraCounters counters() const = 0;
+  /// One imager's part of them, by its index in streams(): the parts add up to the whole. What is too damaged
+  /// to say whose it was is the first's.
+  virtual CameraCounters counters_of([[maybe_unused]] int stream) const { return counters(); }
   /// What a person should mend although it works: small receive buffers, small packets, a slow bus.
   virtual std::vector<std::string> warnings() const { return {}; }
 };

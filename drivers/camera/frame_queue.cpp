@@ -1,6 +1,14 @@
 #include "drivers/camera/frame_queue.h"
 
 namespace ca2 {
+namespace {
+
+std::uint64_t count_of(const std::map<int, std::uint64_t>& counts, int stream) {
+  const auto found = counts.find(stream);
+  return found == counts.end() ? 0 : found->second;
+}
+
+}  // namespace
 
 void FrameQueue::restart() {
   const std::lock_guard lock(mutex_);
@@ -11,8 +19,8 @@ void FrameQueue::restart() {
 void FrameQueue::push(CameraFrame frame) {
   const std::lock_guard lock(mutex_);
   if (frames_.size() >= limit_) {
+    ++overrun_[frames_.front().stream];
     frames_.pop_front();
-    ++overrun_;
   }
   frames_.push_back(std::move(frame));
   changed_.notify_one();
@@ -37,21 +45,21 @@ CameraPoll FrameQueue::pop(std::chrono::steady_clock::time_point deadline) {
   if (!frames_.empty()) {
     CameraPoll out{CameraEvent::frame, std::move(frames_.front()), {}};
     frames_.pop_front();
-    ++delivered_;
+    ++delivered_[out.frame.stream];
     return out;
   }
   if (!lost_.empty()) return {CameraEvent::lost, {}, lost_};
   return {};
 }
 
-std::uint64_t FrameQueue::delivered() const {
+std::uint64_t FrameQueue::delivered(int stream) const {
   const std::lock_guard lock(mutex_);
-  return delivered_;
+  return count_of(delivered_, stream);
 }
 
-std::uint64_t FrameQueue::overrun() const {
+std::uint64_t FrameQueue::overrun(int stream) const {
   const std::lock_guard lock(mutex_);
-  return overrun_;
+  return count_of(overrun_, stream);
 }
 
 }  // namespace ca2

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <map>
 #include <mutex>
 #include <string>
 
@@ -25,8 +26,9 @@ class FrameQueue {
   void interrupt() noexcept;
   CameraPoll pop(std::chrono::steady_clock::time_point deadline);
 
-  std::uint64_t delivered() const;
-  std::uint64_t overrun() const;
+  /// Of one imager, by CameraFrame::stream.
+  std::uint64_t delivered(int stream) const;
+  std::uint64_t overrun(int stream) const;
 
  private:
   const std::size_t limit_;
@@ -35,7 +37,7 @@ class FrameQueue {
   std::deque<CameraFrame> frames_;
   std::string lost_;
   bool interrupted_ = false;
-  std::uint64_t delivered_ = 0, overrun_ = 0;
+  std::map<int, std::uint64_t> delivered_, overrun_;  ///< by stream
 };
 
 }  // namespace ca2

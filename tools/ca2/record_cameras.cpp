@@ -90,9 +90,9 @@ void record(Recorded& recorded, Clock::time_point end, std::atomic<bool>& failed
 void print(const std::vector<Recorded>& all, bool as_json) {
   nlohmann::ordered_json report = nlohmann::ordered_json::object();
   for (const Recorded& recorded : all) {
-    const CameraCounters counters = recorded.source->counters();
     for (std::size_t i = 0; i < recorded.names.size(); ++i) {
       if (recorded.names[i].empty()) continue;
+      const CameraCounters counters = recorded.source->counters_of(static_cast<int>(i));
       report[recorded.names[i]] = {{"written", recorded.written[i]},
                                    {"incomplete", counters.incomplete},
                                    {"missed", counters.missed},

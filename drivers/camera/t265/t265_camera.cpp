@@ -158,7 +158,7 @@ void T265Camera::received(ByteSpan bytes) {
     return;
   }
   const StreamMessage message = parse_stream(bytes);
-  if (std::holds_alternative<Damaged>(message)) ++incomplete_;
+  if (std::holds_alternative<Damaged>(message)) ++losses_[0].incomplete;
   if (const auto* picture = std::get_if<Picture>(&message)) deliver(*picture);
   if (const auto* event = std::get_if<Event>(&message)) happened(*event);
 }
@@ -167,7 +167,7 @@ void T265Camera::deliver(const Picture& picture) {
   const int stream = picture.imager == Sensor::left ? 0 : 1;
   const StreamEntry& entry = entries_[static_cast<std::size_t>(stream)];
   if (picture.pixels.size() != std::size_t{entry.width} * entry.height) {
-    ++incomplete_;
+    ++losses_[stream].incomplete;
     return;
   }
   if (picture.time < begin_) return;
@@ -181,7 +181,7 @@ void T265Camera::deliver(const Picture& picture) {
     frame.time = stamp->time;
     frame.time_sigma = stamp->sigma;
   }
-  missed_ += counts_[stream].missing_before(picture.number);
+  losses_[stream].missed += counts_[stream].missing_before(picture.number);
   pictured_ = true;
   frame.stream = stream;
   frame.sequence = picture.number;
@@ -278,11 +278,21 @@ std::map<std::string, CameraControl> T265Camera::controls() const {
 }
 
 CameraCounters T265Camera::counters() const {
+  CameraCounters all = counters_of(0);
+  const CameraCounters right = counters_of(1);
+  all.frames += right.frames;
+  all.overrun += right.overrun;
+  all.incomplete += right.incomplete;
+  all.missed += right.missed;
+  return all;
+}
+
+CameraCounters T265Camera::counters_of(int stream) const {
   CameraCounters out;
-  out.frames = queue_.delivered();
-  out.overrun = queue_.overrun();
-  out.incomplete = incomplete_;
-  out.missed = missed_;
+  out.frames = queue_.delivered(stream);
+  out.overrun = queue_.overrun(stream);
+  out.incomplete = losses_[stream].incomplete;
+  out.missed = losses_[stream].missed;
   return out;
 }
 

@@ -45,6 +45,7 @@ class T265Camera : public CameraSource {
   Result<void> set_control(const std::string& name, const std::string& value) override;
   std::map<std::string, CameraControl> controls() const override;
   CameraCounters counters() const override;
+  CameraCounters counters_of(int stream) const override;
 
  private:
   T265Camera(std::unique_ptr<Device> device, const CameraOptions& options, std::vector<CameraStream> streams,
@@ -73,7 +74,10 @@ class T265Camera : public CameraSource {
   bool started_ = false;
   FrameWatch watch_;   ///< of the thread that calls next()
   bool lost_ = false;  ///< next() has said so
-  std::atomic<std::uint64_t> incomplete_{0}, missed_{0};
+  struct Losses {
+    std::atomic<std::uint64_t> incomplete{0}, missed{0};
+  };
+  Losses losses_[2];  ///< by stream
   // Of the event thread, while the readers live.
   std::uint64_t begin_ = 0;  ///< device time; what is older was left over from an earlier run
   FrameCount counts_[2];     ///< by stream

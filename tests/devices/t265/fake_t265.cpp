@@ -8,6 +8,7 @@
 ///   pictures uncalibrated has lost its calibration          nonsense     calibration numbers that are none
 ///   busy         was left streaming                stops=N      stops by itself after N pairs
 ///   skips        loses every third pair            empty=N      an empty message after N pairs
+///   limps        the right imager loses every third picture
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -281,6 +282,7 @@ class Camera {
       // What a real one needs for exposure, readout and coding.
       std::this_thread::sleep_for(milliseconds(15));
       for (const int imager : {0, 1}) {
+        if (faulty("limps") && imager == 1 && number % 3 == 2) continue;
         Message out(0x0011);
         out.put<std::uint8_t>(imager == 0 ? 0x03 : 0x23)
             .put<std::uint8_t>(0)

@@ -322,6 +322,20 @@ TEST(T265, GapsAreCounted) {
   EXPECT_GE(camera->counters().missed, 4u);
 }
 
+TEST(T265, EachImagerAnswersForItsOwnGaps) {
+  const Fake fake("camera", "super", "limps");
+  const auto camera = open();
+  ASSERT_TRUE(camera);
+  ASSERT_TRUE(camera->start());
+  check_pairs(*camera, 6);
+  const CameraCounters left = camera->counters_of(0), right = camera->counters_of(1);
+  EXPECT_EQ(left.missed, 0u);
+  EXPECT_GE(right.missed, 2u);
+  camera->stop();
+  EXPECT_EQ(camera->counters().missed, camera->counters_of(0).missed + camera->counters_of(1).missed);
+  EXPECT_EQ(camera->counters().frames, camera->counters_of(0).frames + camera->counters_of(1).frames);
+}
+
 TEST(T265, StopsByItself) {
   for (const auto& [fault, reason] : std::map<const char*, const char*>{
            {"stops=3", "the device says DEVICE_STOPPED"}, {"empty=3", "an empty message"}}) {

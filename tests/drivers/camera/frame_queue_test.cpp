@@ -9,8 +9,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-CameraFrame frame(std::uint64_t sequence) {
+CameraFrame frame(std::uint64_t sequence, int stream = 0) {
   CameraFrame out;
+  out.stream = stream;
   out.sequence = sequence;
   return out;
 }
@@ -25,8 +26,18 @@ TEST(FrameQueue, KeepsTheNewestAndCountsTheRest) {
   EXPECT_EQ(queue.pop(in(milliseconds(0))).frame.sequence, 3u);
   EXPECT_EQ(queue.pop(in(milliseconds(0))).frame.sequence, 4u);
   EXPECT_EQ(queue.pop(in(milliseconds(1))).event, CameraEvent::timeout);
-  EXPECT_EQ(queue.delivered(), 2u);
-  EXPECT_EQ(queue.overrun(), 3u);
+  EXPECT_EQ(queue.delivered(0), 2u);
+  EXPECT_EQ(queue.overrun(0), 3u);
+}
+
+TEST(FrameQueue, CountsByImager) {
+  FrameQueue queue(2);
+  for (const int stream : {1, 1, 0, 1, 0}) queue.push(frame(7, stream));
+  EXPECT_EQ(queue.overrun(0), 1u);
+  EXPECT_EQ(queue.overrun(1), 2u);
+  for (int i = 0; i < 2; ++i) queue.pop(in(milliseconds(0)));
+  EXPECT_EQ(queue.delivered(0), 1u);
+  EXPECT_EQ(queue.delivered(1), 1u);
 }
 
 TEST(FrameQueue, WhatCameBeforeTheLossIsDelivered) {
