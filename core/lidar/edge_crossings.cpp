@@ -133,13 +133,17 @@ class RimFinder {
         if (const auto sample = look(scan_.points[i], height)) all.push_back(*sample);
       }
     }
-    std::stable_sort(all.begin(), all.end(),
-                     [](const Sample& a, const Sample& b) { return a.azimuth < b.azimuth; });
+    const auto before = [](const Sample& a, const Sample& b) { return a.azimuth < b.azimuth; };
+    if (!std::is_sorted(all.begin(), all.end(), before)) std::stable_sort(all.begin(), all.end(), before);
     Ring merged;
     merged.reserve(all.size());
     for (std::size_t i = 0; i < all.size();) {
       std::size_t end = i + 1;
       while (end < all.size() && all[end].azimuth - all[i].azimuth < same_place) ++end;
+      if (end == i + 1) {
+        merged.push_back(all[i++]);
+        continue;
+      }
       const auto first = all.begin() + static_cast<std::ptrdiff_t>(i);
       const auto last = all.begin() + static_cast<std::ptrdiff_t>(end);
       const auto is = [](Seen seen) { return [seen](const Sample& s) { return s.seen == seen; }; };
@@ -162,9 +166,13 @@ class RimFinder {
       }
     }
     if (steps.size() < 8) return;
-    std::sort(steps.begin(), steps.end());
-    step_ = steps[steps.size() / 2];
-    regular_ = steps[steps.size() * 85 / 100] - steps[steps.size() * 15 / 100] < 0.3 * step_;
+    const auto in_order = [&](std::size_t place) {
+      const auto at = steps.begin() + static_cast<std::ptrdiff_t>(place);
+      std::nth_element(steps.begin(), at, steps.end());
+      return *at;
+    };
+    step_ = in_order(steps.size() / 2);
+    regular_ = in_order(steps.size() * 85 / 100) - in_order(steps.size() * 15 / 100) < 0.3 * step_;
   }
 
   /// The outermost sample on the plate towards one side (`way`: -1 or 1) that

@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <vector>
+
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
@@ -29,19 +32,48 @@ double middle_of(const std::vector<double>& values, std::vector<double>& scratch
   return *middle;
 }
 
-/// 1.4826 times the median absolute residual: the standard deviation of normal
-/// noise.
-double robust_scale(const std::vector<double>& residuals, std::vector<double>& sizes,
-                    std::vector<double>& scratch) {
-  sizes.resize(residuals.size());
-  for (std::size_t i = 0; i < residuals.size(); ++i) sizes[i] = std::abs(residuals[i]);
-  return std::max(1.4826 * middle_of(sizes, scratch), 1e-4);
+/// Returns as unit rays and ranges (m), and what a plane leaves of these.
+struct Ranges {
+  explicit Ranges(std::span<const Eigen::Vector3d> points) : size(points.size()) {
+    for (std::vector<double>* list : {&x, &y, &z, &range, &residual, &absolute, &weight}) list->resize(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      range[i] = points[i].norm();
+      const Eigen::Vector3d ray = points[i] / range[i];
+      x[i] = ray.x(), y[i] = ray.y(), z[i] = ray.z();
+    }
+  }
+
+  std::size_t size;
+  std::vector<double> x, y, z, range;
+  std::vector<double> residual, absolute;  ///< m, and without its sign
+  std::vector<double> weight;
+};
+
+/// Residuals against the plane m = n / d: the range along the unit ray f is -1 / (m . f).
+CA2_HOT_LOOP void measure(double mx, double my, double mz, double least, std::size_t size,
+                          const double* __restrict x, const double* __restrict y, const double* __restrict z,
+                          const double* __restrict range, double* __restrict residual,
+                          double* __restrict absolute) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const double along = mx * x[i] + my * y[i] + mz * z[i];
+    residual[i] = range[i] + 1 / (along < -least ? along : -least);
+    absolute[i] = std::abs(residual[i]);
+  }
 }
 
-double tukey_weight(double x) {
+void measure(const Eigen::Vector3d& m, Ranges& ranges) {
+  measure(m.x(), m.y(), m.z(), 1e-3 * m.norm(), ranges.size, ranges.x.data(), ranges.y.data(),
+          ranges.z.data(), ranges.range.data(), ranges.residual.data(), ranges.absolute.data());
+}
+
+/// Tukey's.
+CA2_HOT_LOOP void weigh(double sigma, std::size_t size, const double* __restrict residual,
+                        double* __restrict weight) {
   constexpr double kCut = 4.685;  // 95 % efficiency under normal noise
-  const double t = 1 - (x / kCut) * (x / kCut);
-  return t > 0 ? t * t : 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double x = residual[i] / sigma / kCut, t = 1 - x * x;
+    weight[i] = t > 0 ? t * t : 0;
+  }
 }
 
 }  // namespace
@@ -54,36 +86,28 @@ double range_residual(const Plane& plane, const Eigen::Vector3d& point) {
 RangeFit fit_ranges(std::span<const Eigen::Vector3d> points, const Plane& start) {
   RangeFit fit{start, 0, 0};
   if (points.size() < 3 || start.offset <= 0) return fit;
-  const std::size_t count = points.size();
-  std::vector<Eigen::Vector3d> rays(count);
-  std::vector<double> ranges(count), residuals(count), sizes, scratch;
-  for (std::size_t i = 0; i < count; ++i) {
-    ranges[i] = points[i].norm();
-    rays[i] = points[i] / ranges[i];
-  }
-  // The plane as m = n / d: the range along the unit ray f is -1 / (m . f),
-  // whose derivative is range^2 f.
+  Ranges ranges(points);
+  std::vector<double> scratch;
+  // The range's derivative with respect to m is range^2 f.
   Eigen::Vector3d m = start.normal / start.offset;
-  const auto measure = [&] {
-    const double least = 1e-3 * m.norm();
-    for (std::size_t i = 0; i < count; ++i) {
-      residuals[i] = ranges[i] + 1 / std::min(m.dot(rays[i]), -least);
-    }
-  };
   for (int iteration = 0; iteration < 6; ++iteration) {
-    measure();
-    fit.sigma = robust_scale(residuals, sizes, scratch);
+    measure(m, ranges);
+    // 1.4826 times the median absolute residual: the standard deviation of normal noise.
+    fit.sigma = std::max(1.4826 * middle_of(ranges.absolute, scratch), 1e-4);
+    weigh(fit.sigma, ranges.size, ranges.residual.data(), ranges.weight.data());
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < count; ++i) {
-      const double weight = tukey_weight(residuals[i] / fit.sigma);
+    for (std::size_t i = 0; i < ranges.size; ++i) {
+      const double weight = ranges.weight[i];
       if (weight == 0) continue;
-      const double predicted = ranges[i] - residuals[i];
-      const Eigen::Vector3d J = predicted * predicted * rays[i], weighted = weight * J;
+      const double predicted = ranges.range[i] - ranges.residual[i];
+      const Eigen::Vector3d J =
+          predicted * predicted * Eigen::Vector3d(ranges.x[i], ranges.y[i], ranges.z[i]);
+      const Eigen::Vector3d weighted = weight * J;
       H.col(0) += weighted.x() * J;
       H.col(1) += weighted.y() * J;
       H.col(2) += weighted.z() * J;
-      g += residuals[i] * weighted;
+      g += ranges.residual[i] * weighted;
     }
     // Two rings fix the plane only just; a tiny ridge keeps points on a line
     // from throwing it about.
@@ -94,10 +118,10 @@ RangeFit fit_ranges(std::span<const Eigen::Vector3d> points, const Plane& start)
     if (step.norm() < 1e-6 * m.norm()) break;
   }
   fit.plane = {m.normalized(), 1 / m.norm()};
-  measure();
+  measure(m, ranges);
   double sum = 0;
-  for (const double r : residuals) sum += r * r;
-  fit.rms = std::sqrt(sum / static_cast<double>(count));
+  for (const double r : ranges.residual) sum += r * r;
+  fit.rms = std::sqrt(sum / static_cast<double>(ranges.size));
   return fit;
 }
 

@@ -2,22 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
 
 constexpr int kBridge = 2;  // missing returns that do not end a run: drop-outs, black print
 
+/// Where neighbouring returns are parted, or one of them is missing: few places of a ring, so that what they
+/// have to say is asked only there. [column] of the second one.
+CA2_HOT_LOOP void mark_breaks(const float* __restrict range, int columns, float jump, float steep,
+                              std::uint8_t* __restrict out) {
+  for (int i = 1; i < columns; ++i) {
+    const float a = range[i - 1], b = range[i];
+    const float least = a < b ? a : b, limit = steep * least > jump ? steep * least : jump;
+    out[i] = std::abs(a - b) > limit || least == 0;
+  }
+}
+
 /// One ring: where its runs end, and which of them the board could be.
 class RingWalk {
  public:
-  RingWalk(const RingImage& image, int row, const RunLimits& limits)
+  /// `breaks`: memory.
+  RingWalk(const RingImage& image, int row, const RunLimits& limits, std::vector<std::uint8_t>& breaks)
       : range_(&image.range[image.index(row, 0)]), columns_(image.columns), row_(row), jump_(limits.jump) {
     const float slope = image.slope[static_cast<std::size_t>(row)];
     angle_ = image.column_angle / std::sqrt(1 + slope * slope);
     steep_ = kSteep * angle_;
     least_ = limits.shortest * limits.shortest;
     most_ = limits.longest * limits.longest;
+    breaks.resize(static_cast<std::size_t>(columns_));
+    breaks_ = breaks.data();
+    mark_breaks(range_, columns_, jump_, steep_, breaks.data());
   }
 
   void add_runs(std::vector<RingRun>& runs) const {
@@ -27,15 +45,16 @@ class RingWalk {
     float last_range = range_[begin];
     const auto walk = [&](int from, int to, int turn) {
       for (int column = from; column < to; ++column) {
-        const float r = range_[column];
-        if (r == 0) continue;
+        if (range_[column] == 0) continue;
         const int place = column + turn;
-        if (parted(last_range, r) || place - last > kBridge + 1) {
+        if (parted(last_range, range_[column]) || place - last > kBridge + 1) {
           add(first, last, runs);
           first = place;
         }
-        last = place;
-        last_range = r;
+        // On to the last one before a break.
+        column = next_break(column + 1, to) - 1;
+        last = column + turn;
+        last_range = range_[column];
       }
     };
     walk(begin + 1, columns_, 0);
@@ -54,9 +73,16 @@ class RingWalk {
     for (int column = 0; column < columns_; ++column) {
       if (range_[column] == 0) continue;
       if (last >= 0 && (column - last > kBridge + 1 || parted(range_[last], range_[column]))) return column;
-      last = column;
+      last = column = next_break(column + 1, columns_) - 1;
     }
     return -1;
+  }
+
+  /// From this column on; `to` where there is none before it.
+  int next_break(int from, int to) const {
+    if (from >= to) return to;
+    const void* const at = std::memchr(breaks_ + from, 1, static_cast<std::size_t>(to - from));
+    return at ? static_cast<int>(static_cast<const std::uint8_t*>(at) - breaks_) : to;
   }
 
   void add(int first, int last, std::vector<RingRun>& runs) const {
@@ -68,6 +94,7 @@ class RingWalk {
   }
 
   const float* range_;
+  const std::uint8_t* breaks_;
   int columns_, row_;
   float jump_, angle_, steep_, least_, most_;
 };
@@ -76,7 +103,8 @@ class RingWalk {
 
 void find_ring_runs(const RingImage& image, const RunLimits& limits, std::vector<RingRun>& runs) {
   runs.clear();
-  for (int row = 0; row < image.rows; ++row) RingWalk(image, row, limits).add_runs(runs);
+  std::vector<std::uint8_t> breaks;
+  for (int row = 0; row < image.rows; ++row) RingWalk(image, row, limits, breaks).add_runs(runs);
 }
 
 }  // namespace ca2
