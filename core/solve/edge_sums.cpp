@@ -132,15 +132,20 @@ std::optional<EdgeSums> sum_up(const Side& side, const std::vector<Piece>& piece
   sums.freedom = (larger < open ? 1 : 0) + (trace - larger < open ? 1 : 0);
   sums.rows << (side.A.normalized() + ends->mean(0) * side.normal).normalized().transpose(), -1,
       (side.B.normalized() + ends->mean(1) * side.normal).normalized().transpose(), -1;
-  sums.share(noise.shared);
+  sums.share(noise);
   return sums;
 }
 
 }  // namespace
 
-void EdgeSums::share(double error) {
-  const double angle = error / range;
-  H = rows.transpose() * (covariance + angle * angle * Eigen::Matrix2d::Identity()).inverse() * rows;
+Eigen::Matrix2d shared_covariance(const EdgeNoise& noise, double range) {
+  const double angle = noise.shared / range;
+  return angle * angle * Eigen::Matrix2d::Identity() +
+         noise.backdrop * noise.backdrop * Eigen::Matrix2d::Ones();
+}
+
+void EdgeSums::share(const EdgeNoise& noise) {
+  H = rows.transpose() * (covariance + shared_covariance(noise, range)).inverse() * rows;
 }
 
 Eigen::Vector4d EdgeSums::at(const Pose& T_lidar_board, const Dilation& dilation) const {

@@ -35,8 +35,14 @@ struct RimFreedom {
 struct EdgeNoise {
   double blur = 0;    ///< rad: a ray is trusted to within this (the beam's width, its encoder)
   double shared = 0;  ///< m: of either end of a side, all its crossings together (cut, tape, bent rim)
+  /// rad: of both ends of a side together. A beam across a rim returns the stronger echo: the weaker what
+  /// stands behind a side (dark, far, aslant), the further out it seems to lie.
+  double backdrop = 0;
   double sway = 0;  ///< m: of all sides of a plate together, along either of its axes (a hand that holds it)
 };
+
+/// Of the angles at both ends of a side `range` metres away, by what its crossings share, rad^2.
+Eigen::Matrix2d shared_covariance(const EdgeNoise& noise, double range);
 
 /// The crossings of one side of the plate. The side and the LiDAR's origin span a plane; with its unit normal
 /// n (outwards) and the dilation d at its range the cost is 1/2 z'Hz with z = (n, d): the rim lies at the
@@ -45,14 +51,14 @@ struct EdgeSums {
   Eigen::Vector3d a, b;  ///< ends of the side, board frame, m; n is along (T a) x (T b)
   Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 2, 4> rows;  ///< what is measured of z, once at each end, rad..
-  Eigen::Matrix2d covariance;        ///< ..and how well, but for EdgeNoise::shared, rad^2
+  Eigen::Matrix2d covariance;        ///< ..and how well, but for what its crossings share, rad^2
   double range = 0;                  ///< m, of the side's middle
   int count = 0;                     ///< crossings
   int freedom = 0;                   ///< what they fix: 2, offset and direction of the rim; 1; 0
   double blur = 0;  ///< rad: by how much rays of this side contradict each other beyond the stated blur
 
-  /// Makes H what it is with this error as EdgeNoise::shared, m.
-  void share(double error);
+  /// Makes H what it is with this noise's errors that crossings share, shared and backdrop.
+  void share(const EdgeNoise& noise);
   /// z of this side for a board at T_lidar_board.
   Eigen::Vector4d at(const Pose& T_lidar_board, const Dilation& dilation) const;
 };

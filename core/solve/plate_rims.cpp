@@ -106,10 +106,9 @@ void PlateRims::estimate_errors(const JointState& state, std::span<const std::si
   for (std::size_t l = 0; l < noise_.size(); ++l) {
     const std::vector<EdgeView> views = all_seen(state, used, l);
     if (views.empty()) continue;
-    const RimErrors errors =
-        likeliest_errors(rim_residuals(views, state.dilation[l], noise_[l].blur, slack_));
-    noise_[l].shared = errors.shared;
-    noise_[l].sway = errors.sway;
+    const double blur = noise_[l].blur;
+    noise_[l] = likeliest_errors(rim_residuals(views, state.dilation[l], blur, slack_)).noise;
+    noise_[l].blur = blur;
   }
 }
 

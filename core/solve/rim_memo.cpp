@@ -13,12 +13,12 @@ std::vector<EdgeSums> RimMemo::sums(std::span<const EdgeCrossing> crossings, con
                                     const EdgeNoise& noise, double slack) {
   const Key key{{outline.width, outline.height}, outline.center, T_lidar_board, dilation, noise.blur, slack};
   if (!key_ || !(*key_ == key)) {
-    sums_ = edge_sums(crossings, outline, T_lidar_board, dilation, {noise.blur, 0, 0}, slack);
+    sums_ = edge_sums(crossings, outline, T_lidar_board, dilation, {noise.blur, 0, 0, 0}, slack);
     key_ = key;
   }
   std::vector<EdgeSums> sums = sums_;
-  if (noise.shared > 0) {
-    for (EdgeSums& side : sums) side.share(noise.shared);
+  if (noise.shared > 0 || noise.backdrop > 0) {
+    for (EdgeSums& side : sums) side.share(noise);
   }
   return sums;
 }

@@ -12,7 +12,7 @@ namespace ca2 {
 /// Of one rim, whose crossings never change.
 class RimMemo {
  public:
-  /// `edge_sums` of just these, which EdgeNoise::shared and ::sway have hardly a part in.
+  /// `edge_sums` of just these, in which of the noise only the blur has more than a small part.
   std::vector<EdgeSums> sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
                              const Pose& T_lidar_board, const Dilation& dilation, const EdgeNoise& noise,
                              double slack);

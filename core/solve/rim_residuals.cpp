@@ -12,6 +12,10 @@ namespace {
 constexpr std::array shares{0.00005, 0.0001, 0.0002, 0.0004, 0.0006,
                             0.0012,  0.0024, 0.0048, 0.0096, 0.02};          // m
 constexpr std::array sways{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016};  // m
+/// A side that is off by a shared error seems to be so by a backdrop as well: few views do not tell which of
+/// both it is, and being sure of the wrong one is worse. As if both were alike at this range, m; errors up to
+/// this one, m, are too small for a backdrop's.
+constexpr double usual_range = 1.5, most_without_backdrop = 0.0001;
 /// The sides follow the LiDAR's pose and the dilation.
 constexpr int fitted_anyway = 8;
 
@@ -42,9 +46,12 @@ RimResidual residual(const EdgeSums& edge, const Pose& T_lidar_board, const Dila
   return side;
 }
 
+EdgeNoise noise_of(double shared, double sway) {
+  return {0, shared, shared > most_without_backdrop ? shared / usual_range : 0, sway};
+}
+
 Eigen::Matrix2d covariance_with(const RimResidual& side, double shared) {
-  const double angle = shared / side.range;
-  return side.covariance + angle * angle * Eigen::Matrix2d::Identity();
+  return side.covariance + shared_covariance(noise_of(shared, 0), side.range);
 }
 
 /// -2 log likelihood of one view's sides by the sway, with a shared error given.
@@ -103,7 +110,7 @@ RimResiduals rim_residuals(std::span<const EdgeView> views, const Dilation& dila
   RimResiduals residuals;
   for (const EdgeView& view : views) {
     std::vector<RimResidual>& sides = residuals.emplace_back();
-    for (const EdgeSums& edge : edge_sums(view, dilation, {blur, 0, 0}, slack))
+    for (const EdgeSums& edge : edge_sums(view, dilation, {blur, 0, 0, 0}, slack))
       sides.push_back(residual(edge, view.T_lidar_board, dilation));
   }
   return residuals;
@@ -114,9 +121,9 @@ RimErrors likeliest_errors(const RimResiduals& residuals) {
   for (const std::vector<RimResidual>& sides : residuals) {
     for (const RimResidual& side : sides) freedom += side.freedom;
   }
-  if (freedom <= fitted_anyway) return {shares[0], 0, 0, freedom};
+  if (freedom <= fitted_anyway) return {noise_of(shares[0], 0), 0, freedom};
   const double scale = static_cast<double>(freedom) / (freedom - fitted_anyway);
-  RimErrors best{0, 0, std::numeric_limits<double>::infinity(), freedom};
+  RimErrors best{{}, std::numeric_limits<double>::infinity(), freedom};
   for (const double shared : shares) {
     std::array<double, sways.size()> deviance{};
     for (const std::vector<RimResidual>& sides : residuals) {
@@ -124,7 +131,7 @@ RimErrors likeliest_errors(const RimResiduals& residuals) {
       for (std::size_t i = 0; i < sways.size(); ++i) deviance[i] += view.at(sways[i], scale);
     }
     for (std::size_t i = 0; i < sways.size(); ++i) {
-      if (deviance[i] < best.deviance) best = {shared, sways[i], deviance[i], freedom};
+      if (deviance[i] < best.deviance) best = {noise_of(shared, sways[i]), deviance[i], freedom};
     }
   }
   return best;
@@ -133,7 +140,7 @@ RimErrors likeliest_errors(const RimResiduals& residuals) {
 RimErrors fitted_errors(RimResiduals residuals, const RimFreedom& free) {
   RimErrors errors = likeliest_errors(residuals);
   for (int round = 0; round < 2; ++round) {
-    const Vector9d x = fit(residuals, free, errors.shared);
+    const Vector9d x = fit(residuals, free, errors.noise.shared);
     for (std::vector<RimResidual>& sides : residuals) {
       for (RimResidual& side : sides) side.off += side.by_common * x;
     }

@@ -28,8 +28,7 @@ RimResiduals rim_residuals(std::span<const EdgeView> views, const Dilation& dila
 
 /// What the rims of all views are off by beyond their rays' gaps and the blur.
 struct RimErrors {
-  double shared = 0;    ///< EdgeNoise::shared, m; 0.05 mm at least
-  double sway = 0;      ///< EdgeNoise::sway, m
+  EdgeNoise noise;      ///< but for its blur; 0.05 mm of EdgeNoise::shared at least
   double deviance = 0;  ///< -2 log likelihood of the rims with these, but for a constant
   int freedom = 0;      ///< how much is known of the rims
 };

@@ -10,15 +10,18 @@
 namespace ca2 {
 namespace {
 
-/// Directions across a beam's cone in units of its half angle: two hexagons round the axis, of equal share.
-constexpr int footprint_samples = 13;
+/// Directions across a beam's cone in units of its half angle, of equal share and even all over it: pairs
+/// about the axis, each further round by the golden angle. A few would move a rim from one to the next.
+constexpr int footprint_samples = 48;
 std::array<Eigen::Vector2d, footprint_samples> footprint() {
   std::array<Eigen::Vector2d, footprint_samples> samples;
-  samples[0].setZero();
-  for (int k = 0; k < 6; ++k) {
-    const double inner = k * std::numbers::pi / 3, outer = inner + std::numbers::pi / 6;
-    samples[static_cast<std::size_t>(1 + k)] = 0.48 * Eigen::Vector2d(std::cos(inner), std::sin(inner));
-    samples[static_cast<std::size_t>(7 + k)] = 0.86 * Eigen::Vector2d(std::cos(outer), std::sin(outer));
+  constexpr int pairs = footprint_samples / 2;
+  for (int k = 0; k < pairs; ++k) {
+    const double radius = std::sqrt((k + 0.5) / pairs),
+                 angle = k * std::numbers::pi * (std::sqrt(5.0) - 1) / 2;
+    const auto i = static_cast<std::size_t>(2 * k);
+    samples[i] = radius * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    samples[i + 1] = -samples[i];
   }
   return samples;
 }
