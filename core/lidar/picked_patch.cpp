@@ -1,5 +1,7 @@
 // The paper's way to a board's plane: a person picks the board in the
 // projection by ID.
+// Compiled here from PCL's templates: its library of them takes 5 MB of every process, and the loader's time.
+#define PCL_NO_PRECOMPILE
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/sample_consensus/ransac.h>
