@@ -15,6 +15,7 @@
 #include "core/solve/plate_rims.h"
 #include "core/solve/rim_conflict.h"
 #include "core/solve/rim_doubts.h"
+#include "core/solve/shared_error.h"
 #include "core/solve/view_use.h"
 
 namespace ca2 {
@@ -242,19 +243,16 @@ class Solver {
   }
 
   /// Where camera and LiDAR disagree by more than noise and chance explain, the returns of a view err
-  /// together (temperature, incidence, flatness): finds the shared error that explains it, by bisection on
-  /// its logarithm.
+  /// together (temperature, incidence, flatness): finds the shared error that explains it.
   void explain_misfit() {
     const Misfit before = total_misfit();
     if (before.lidar_freedom < 3 || misfit_excess(before.lidars, before.lidar_freedom) == 1) return;
-    double low = std::log(1e-4);   // m
-    double high = std::log(0.05);  // m
-    for (int step = 0; step < 8; ++step) {
-      const double middle = 0.5 * (low + high);
-      answer_.view_sigma.assign(lidars_, std::exp(middle));
+    const auto share = [](const Misfit& misfit) { return misfit.lidar_freedom / misfit.lidars; };
+    SharedErrorSearch search(share(before));
+    while (const auto error = search.next()) {
+      answer_.view_sigma.assign(lidars_, *error);
       solve();
-      const Misfit now = total_misfit();
-      (now.lidars > now.lidar_freedom ? low : high) = middle;
+      search.take(share(total_misfit()));
     }
     const Misfit after = total_misfit();
     if (misfit_excess(after.lidars, after.lidar_freedom) == 1) return;
