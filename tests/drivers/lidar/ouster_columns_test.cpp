@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <random>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "drivers/lidar/model.h"
 #include "drivers/lidar/ouster/column_returns.h"
 #include "drivers/lidar/ouster/profile.h"
+#include "tests/drivers/lidar/written_returns.h"
 
 namespace ca2 {
 namespace {
@@ -62,28 +62,6 @@ TEST(OusterColumns, EveryProcessorReadsTheSame) {
 }
 
 #if defined(__x86_64__)
-struct Returns {
-  static constexpr std::size_t most = 144;
-  std::array<float, 3 * most> points{};
-  std::array<float, most> range{}, intensity{};
-  std::array<std::uint16_t, most> ring{};
-  std::array<std::uint32_t, most> column{};
-  std::array<std::int64_t, most> time{};
-
-  detail::ReturnTargets targets() {
-    return {points.data(), range.data(), intensity.data(), ring.data(), column.data(), time.data()};
-  }
-  /// So many of them, as bytes: a NaN is equal to itself.
-  bool same(const Returns& other, std::size_t n) const {
-    const auto equal = [n](const auto& a, const auto& b, std::size_t each) {
-      return std::memcmp(a.data(), b.data(), n * each * sizeof a[0]) == 0;
-    };
-    return equal(points, other.points, 3) && equal(range, other.range, 1) &&
-           equal(intensity, other.intensity, 1) && equal(ring, other.ring, 1) &&
-           equal(column, other.column, 1) && equal(time, other.time, 1);
-  }
-};
-
 TEST(OusterColumns, EveryProcessorWritesTheSameReturns) {
   if (!has_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
   std::mt19937_64 random(2);
@@ -113,7 +91,7 @@ TEST(OusterColumns, EveryProcessorWritesTheSameReturns) {
         std::copy(ranges.begin(), ranges.end(), padded.begin());
         FiredBeams beams;
         detail::project_ouster_column(geometry, column, padded.data(), rows, beams);
-        Returns portable, sixteens;
+        WrittenReturns portable, sixteens;
         const std::size_t n = detail::write_returns_portable(beams, names, portable.targets(), 0);
         ASSERT_EQ(detail::write_ouster_column_avx512(geometry, column, names, sixteens.targets(), 0), n);
         EXPECT_TRUE(portable.same(sixteens, n)) << rows << " rows";

@@ -8,34 +8,13 @@
 
 #include "drivers/lidar/avx512.h"
 #include "drivers/lidar/velodyne/block_returns.h"
+#include "tests/drivers/lidar/written_returns.h"
 
 namespace ca2 {
 namespace {
 
 #if defined(__x86_64__)
 constexpr std::size_t channels = VelodynePacket::channels;
-
-struct Returns {
-  static constexpr std::size_t most = channels + 16;
-  std::array<float, 3 * most> points{};
-  std::array<float, most> range{}, intensity{};
-  std::array<std::uint16_t, most> ring{};
-  std::array<std::uint32_t, most> column{};
-  std::array<std::int64_t, most> time{};
-
-  detail::ReturnTargets targets() {
-    return {points.data(), range.data(), intensity.data(), ring.data(), column.data(), time.data()};
-  }
-  /// So many of them.
-  bool same(const Returns& other, std::size_t n) const {
-    const auto equal = [n](const auto& a, const auto& b, std::size_t each) {
-      return std::memcmp(a.data(), b.data(), n * each * sizeof a[0]) == 0;
-    };
-    return equal(points, other.points, 3) && equal(range, other.range, 1) &&
-           equal(intensity, other.intensity, 1) && equal(ring, other.ring, 1) &&
-           equal(column, other.column, 1) && equal(time, other.time, 1);
-  }
-};
 
 TEST(VelodyneBlocks, EveryProcessorWritesTheSameReturns) {
   if (!has_avx512()) GTEST_SKIP() << "this processor has no AVX-512";
@@ -79,7 +58,7 @@ TEST(VelodyneBlocks, EveryProcessorWritesTheSameReturns) {
                        first};
       FiredBeams fired;
       detail::project_velodyne_block(block, place, static_cast<int>(channels), fired);
-      Returns portable, sixteens;
+      WrittenReturns portable, sixteens;
       const std::size_t n = detail::write_returns_portable(fired, names, portable.targets(), 0);
       names.counts = nullptr;
       names.intensity = nullptr;
