@@ -7,7 +7,9 @@
 #include <random>
 #include <thread>
 
+#include "drivers/lidar/avx512.h"
 #include "drivers/shared_pool.h"
+#include "tests/drivers/lidar/written_returns.h"
 
 namespace ca2 {
 namespace {
@@ -87,39 +89,19 @@ TEST(ReturnWriter, KeepsWhatIsAReturnInItsOrder) {
 #if defined(__x86_64__)
 TEST(ReturnWriter, EveryBodyWritesTheSame) {
   if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "this processor has no AVX2";
-  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                      __builtin_cpu_supports("avx512vl");
   std::mt19937_64 random(2);
-  struct Out {
-    std::array<float, 3 * FiredBeams::most + 48> points{};
-    std::array<float, FiredBeams::most + 16> range{}, intensity{};
-    std::array<std::uint16_t, FiredBeams::most + 16> ring{};
-    std::array<std::uint32_t, FiredBeams::most + 16> column{};
-    std::array<std::int64_t, FiredBeams::most + 16> time{};
-    detail::ReturnTargets targets() {
-      return {points.data(), range.data(), intensity.data(), ring.data(), column.data(), time.data()};
-    }
-  };
   for (int size = 1; size <= FiredBeams::most; size += size < 40 ? 1 : 59) {
     for (const double missing : {0.0, 0.1, 0.5, 0.9, 1.0}) {
       const Fired fired(size, missing, random);
       const FiredNames names =
           size > FiredBeams::most - 16 || size % 2 == 0 ? fired.names(7) : fired.later_names(7);
-      Out portable;
+      WrittenReturns portable;
       const std::size_t n = detail::write_returns_portable(fired.beams, names, portable.targets(), 0);
       for (const auto write : {detail::write_returns_avx2, detail::write_returns_avx512}) {
-        if (write == detail::write_returns_avx512 && !avx512) continue;
-        Out vectors;
+        if (write == detail::write_returns_avx512 && !has_avx512()) continue;
+        WrittenReturns vectors;
         ASSERT_EQ(write(fired.beams, names, vectors.targets(), 0), n);
-        const auto same = [n](const auto& a, const auto& b, std::size_t each) {
-          return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(n * each), b.begin());
-        };
-        EXPECT_TRUE(same(portable.points, vectors.points, 3));
-        EXPECT_TRUE(same(portable.range, vectors.range, 1));
-        EXPECT_TRUE(same(portable.intensity, vectors.intensity, 1));
-        EXPECT_TRUE(same(portable.ring, vectors.ring, 1));
-        EXPECT_TRUE(same(portable.column, vectors.column, 1));
-        EXPECT_TRUE(same(portable.time, vectors.time, 1));
+        EXPECT_TRUE(portable.same(vectors, n)) << size << " beams";
       }
     }
   }

@@ -10,9 +10,9 @@
 
 namespace ca2 {
 
-/// Arrays of a scan, with room for the returns of a column or block and for what is written beyond them.
+/// Arrays of a scan, with room for all that can be fired at once and for what is written beyond it.
 struct WrittenReturns {
-  static constexpr std::size_t most = 144;
+  static constexpr std::size_t most = FiredBeams::most + 16;
   std::array<float, 3 * most> points{};
   std::array<float, most> range{}, intensity{};
   std::array<std::uint16_t, most> ring{};
