@@ -127,6 +127,17 @@ double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const 
   return per_px > 0 ? std::clamp((high - low) / per_px / std::sqrt(2 * M_PI), 0.3, 8.0) : 1;
 }
 
+/// Beyond the rim a crossing is only guessed from what its edges do before it.
+bool in_picture(const GreyImage& image, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= image.width - 1 && pixel.y() <= image.height - 1;
+}
+
+/// A patch that hardly shows the crossing gives sums whose inverse is none: not even positive, with rounding.
+bool is_usable(const Eigen::Matrix2d& covariance) {
+  return covariance.allFinite() && covariance.trace() < 1 && covariance(0, 0) > 0 &&
+         covariance.determinant() > 0;
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -279,7 +290,7 @@ std::vector<Corner> refine_corners(const Board& board, const GreyImage& image,
     Corner corner = r.corner;
     corner.covariance =
         variance * r.fit.information.inverse() + Eigen::Matrix2d::Identity() * model_floor * model_floor;
-    if (corner.covariance.allFinite() && corner.covariance.trace() < 1) result.push_back(corner);
+    if (in_picture(image, corner.pixel) && is_usable(corner.covariance)) result.push_back(corner);
   }
   return result;
 }

@@ -43,6 +43,34 @@ TEST(Charuco, IsRefinedWholeAndInPart) {
   }
 }
 
+/// Where the picture's rim cuts the board, crossings beside it are not seen: none is guessed beyond, and what
+/// is given has a covariance that is one.
+TEST(Charuco, HasNoCornersBeyondThePicture) {
+  const Board board = test::make_board("charuco", 8, 6);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::narrow_camera();
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::size_t found = 0;
+  for (int k = 0; k < 8; ++k) {
+    // The middle of the board near the left, right, upper or lower rim.
+    Eigen::Vector3d bearing(0.5 * uniform(random), 0.38 * uniform(random), 1);
+    if (k % 2 == 0) bearing.x() = (k % 4 == 0 ? 1 : -1) * (0.5 + 0.03 * uniform(random));
+    if (k % 2 == 1) bearing.y() = (k % 4 == 1 ? 1 : -1) * (0.38 + 0.03 * uniform(random));
+    const Pose pose = test::board_pose(bearing, 0.9, 0.6, 3 * uniform(random), 0.4 * uniform(random));
+    const Image image = test::render_board(board, camera, pose, {}, random);
+    for (const Corner& corner : detect_board(board, image)) {
+      ++found;
+      EXPECT_GE(corner.pixel.minCoeff(), 0) << corner.id;
+      EXPECT_LE(corner.pixel.x(), camera.width - 1) << corner.id;
+      EXPECT_LE(corner.pixel.y(), camera.height - 1) << corner.id;
+      EXPECT_GT(corner.covariance(0, 0), 0) << corner.id;
+      EXPECT_GT(corner.covariance.determinant(), 0) << corner.id;
+    }
+  }
+  EXPECT_GT(found, 60u);
+}
+
 /// Squares of 13 px: no marker can be read alone. A board without markers is another one.
 TEST(Charuco, IsToldByThePrintWhereMarkersAreTooSmall) {
   const Board board = test::make_board("charuco", 8, 6);
