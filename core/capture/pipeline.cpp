@@ -15,8 +15,12 @@
 namespace ca2 {
 namespace {
 
-// A plane needs three views; before that there is nothing to ask the solver.
+// Planes take three views; before that nobody is told what fewer leave open, unless by asking for it.
 constexpr std::size_t fewest_views = 3;
+// What may do for who asks: the rim of a plate whose outline is known.
+std::size_t fewest_for(const Board& board) {
+  return board.outline ? 1 : fewest_views;
+}
 // While a hold is refused, it is looked at again so often: something in the way may go.
 constexpr std::int64_t retry = 100'000'000;  // ns
 // Where data comes late, a hold seems to end and to begin again: what was said of it is not said anew.
@@ -96,8 +100,8 @@ struct CapturePipeline::State {
 
   void guide() { next = next_view({rig, tracks, options}, calibration, views); }
 
-  void request_solve(CaptureActions& actions) {
-    if (views.size() < fewest_views) return;
+  void request_solve(CaptureActions& actions, std::size_t least = fewest_views) {
+    if (views.size() < least) return;
     actions.emplace_back(SolveViews{++solves, std::make_shared<const Rig>(rig),
                                     std::make_shared<const std::vector<ViewSights>>(views)});
   }
@@ -347,10 +351,11 @@ CaptureActions CapturePipeline::drop(std::int64_t time, int id) {
 
 CaptureActions CapturePipeline::solve(std::int64_t time) {
   CaptureActions actions;
-  state_->request_solve(actions);
+  const std::size_t least = fewest_for(state_->rig.board);
+  state_->request_solve(actions, least);
   if (actions.empty()) {
     state_->say(actions, time, "rejected",
-                formatted("%zu views are too few: capture at least %zu", state_->views.size(), fewest_views));
+                formatted("%zu views are too few: capture at least %zu", state_->views.size(), least));
   }
   return actions;
 }

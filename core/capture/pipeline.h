@@ -71,6 +71,7 @@ class CapturePipeline {
   /// A person's pixel in a LiDAR's projection by ID: the board is where it points, until the board moves on.
   CaptureActions pick(std::int64_t time, int lidar, int row, int column, double radius);
   CaptureActions drop(std::int64_t time, int id);
+  /// Where the board has an outline one view may do; else it takes three. They are asked for by themselves.
   CaptureActions solve(std::int64_t time);
 
   /// The host's answers. A view counts from `stored` on.

@@ -23,8 +23,11 @@ struct CameraSight {
 /// A return that lies on the board, or near it.
 struct BoardReturn {
   static constexpr std::uint16_t no_ring = 0xffff;
+  static constexpr std::uint16_t no_intensity = 0xffff, full_intensity = 0xfffe;
   Eigen::Vector3f point;  ///< sensor frame, m
   std::uint16_t ring = no_ring;
+  /// Of the sight's strongest return it is this share, in 1 / full_intensity; no_intensity: not known.
+  std::uint16_t intensity = no_intensity;
   float height = 0;  ///< m: where on the z axis its ray begins, see Projection::height
 };
 

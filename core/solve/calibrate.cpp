@@ -22,6 +22,14 @@ namespace {
 
 struct Names {
   std::vector<std::string> cameras, lidars;
+
+  /// Of a sensor, cameras first.
+  int index(const std::string& name) const {
+    const auto camera = std::find(cameras.begin(), cameras.end(), name);
+    if (camera != cameras.end()) return static_cast<int>(camera - cameras.begin());
+    return static_cast<int>(cameras.size()) +
+           static_cast<int>(std::find(lidars.begin(), lidars.end(), name) - lidars.begin());
+  }
 };
 
 Names names_of(const Rig& rig) {
@@ -29,6 +37,14 @@ Names names_of(const Rig& rig) {
   for (const auto& [name, camera] : rig.cameras) names.cameras.push_back(name);
   for (const auto& [name, lidar] : rig.lidars) names.lidars.push_back(name);
   return names;
+}
+
+/// What the rig says of where its sensors are.
+std::vector<PlaceGuess> guesses_of(const Rig& rig, const Names& names) {
+  std::vector<PlaceGuess> guesses;
+  for (const RigExtrinsic& said : rig.extrinsics)
+    guesses.push_back({names.index(said.parent), names.index(said.child), said.T_parent_child});
+  return guesses;
 }
 
 CalibratedTransform named_transform(const Rig& rig, const std::string& parent, const std::string& child) {
@@ -131,6 +147,7 @@ class JointReport {
     }
     evidence.covariance = transform.covariance;
     evidence.candidates = static_cast<int>(candidate_views(views_, l));
+    evidence.rims = answer_.edges > 0 && !answer_.edges_dropped;
     double variance = 0;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!answer_.views[v].used || answer_.chosen[v][l] < 0) continue;
@@ -195,7 +212,17 @@ class JointReport {
     }
   }
 
+  std::size_t lidar_views() const {
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const std::vector<int>& chosen = answer_.chosen[v];
+      count += answer_.views[v].used && *std::max_element(chosen.begin(), chosen.end()) >= 0 ? 1 : 0;
+    }
+    return count;
+  }
+
   void add_notes(Calibration& calibration) const {
+    if (answer_.by_rims) calibration.notes.push_back(few_views_note(lidar_views()));
     for (std::string& note : correction_notes(rig_, views_, answer_, calibration.print))
       calibration.notes.push_back(std::move(note));
     if (answer_.edges_dropped) {
@@ -292,7 +319,8 @@ Result<Calibration> calibrate_planes(const Rig& rig, const Names& names, const s
                             Matrix6d::Zero(),
                             {},
                             0,
-                            static_cast<int>(candidate_views(views, l))};
+                            static_cast<int>(candidate_views(views, l)),
+                            false};
       for (std::size_t v = 0; v < views.size(); ++v) {
         if (!views[v].cameras[c] || seed.chosen[v][l] < 0) continue;
         pairs.push_back({board_plane(views[v].cameras[c]->pose.T_camera_board),
@@ -366,8 +394,11 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   const Names names = names_of(rig);
   std::vector<Camera> cameras;
   for (const auto& [name, camera] : rig.cameras) cameras.push_back(*camera.intrinsics);
-  const Result<RigSeed> seed =
-      seed_rig(rig.board, views, names.cameras, names.lidars, options.seed, options.stop);
+  const Result<RigSeed> seed = seed_rig(rig.board, views, names.cameras, names.lidars,
+                                        {.seed = options.seed,
+                                         .rims = options.method == Method::joint,
+                                         .guesses = guesses_of(rig, names),
+                                         .stop = options.stop});
   if (options.stop.stop_requested()) return stopped();
   if (!seed) return fail(seed.error());
   if (options.method != Method::joint) {
@@ -380,17 +411,9 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   joint.stop = options.stop;
   for (const RigExtrinsic& known : rig.extrinsics) {
     if (!known.fixed) continue;
-    const auto index = [&](const std::string& name) {
-      const auto camera = std::find(names.cameras.begin(), names.cameras.end(), name);
-      if (camera != names.cameras.end()) return static_cast<int>(camera - names.cameras.begin());
-      return static_cast<int>(
-          names.cameras.size() +
-          static_cast<std::size_t>(std::find(names.lidars.begin(), names.lidars.end(), name) -
-                                   names.lidars.begin()));
-    };
     // A micrometre and a microradian: fixed to all purposes, and the equations stay well scaled.
-    joint.relative.push_back(
-        {index(known.parent), index(known.child), known.T_parent_child, 1e12 * Matrix6d::Identity()});
+    joint.relative.push_back({names.index(known.parent), names.index(known.child), known.T_parent_child,
+                              1e12 * Matrix6d::Identity()});
   }
   for (std::size_t c = 0; c < cameras.size(); ++c) {
     const CameraParameters& k = cameras[c].parameters;

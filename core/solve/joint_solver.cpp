@@ -2,15 +2,15 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/geometry/levenberg_marquardt.h"
-#include "core/geometry/scaled_inverse.h"
+#include "core/solve/answer_covariance.h"
 #include "core/solve/corner_doubts.h"
 #include "core/solve/corner_noise.h"
-#include "core/solve/leave_one_out.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/plate_rims.h"
 #include "core/solve/rim_conflict.h"
@@ -30,6 +30,8 @@ constexpr double well_placed = 0.01;
 constexpr std::size_t enough_views = 5;
 /// Few views leave too little over to contradict given intrinsics.
 constexpr std::size_t least_views_to_doubt = 5;
+/// How far rims may lie from where they are predicted, m, solve after solve.
+constexpr std::array rim_slacks{0.06, 0.025, 0.015, 0.01};
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
 
@@ -52,6 +54,7 @@ class Solver {
     input_.stated = options.stated;
     doubt_priors_ = options.doubt_priors;
     answer_.chosen = seed.chosen;
+    answer_.by_rims = seed.by_rims;
     answer_.views.resize(views.size());
     answer_.range_sigma.assign(lidars_, 0.02);
     answer_.view_sigma.assign(lidars_, 0);
@@ -66,30 +69,21 @@ class Solver {
     state_.cameras = cameras;
     state_.range_bias = state_.range_slope = std::vector<double>(lidars_, 0);
     state_.dilation.resize(lidars_);
-    state_.T_ref_board.resize(views.size());
     for (std::size_t l = 0; l < lidars_; ++l) {
       std::vector<int> chosen;
       for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
       returns_.emplace_back(views, l, chosen, ink_);
     }
-    corners_.resize(views.size());
-    const int count = static_cast<int>(input_.board_corners.size());
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      corners_[v].resize(cameras.size());
-      for (std::size_t c = cameras.size(); c-- > 0;) {
-        if (!views[v].cameras[c]) continue;
-        const CameraSight& sight = *views[v].cameras[c];
-        corners_[v][c] = sight.corners;
-        if (seed.turned[v][c]) turn_ids(corners_[v][c], count);
-        const Pose pose =
-            seed.turned[v][c] ? half_turned(sight.pose.T_camera_board) : sight.pose.T_camera_board;
-        state_.T_ref_board[v] = seed.T_ref_camera[c] * pose;
-      }
-    }
+    corners_ = settled_corners(views, seed, static_cast<int>(input_.board_corners.size()));
+    state_.T_ref_board = seeded_boards(views, seed);
   }
 
   JointAnswer run() {
     for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
+    if (answer_.by_rims) {
+      if (with_rims_) solve_by_rims();
+      return std::move(answer_);
+    }
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve();
     // Only the second time round are returns and noise those of the solution, and views to be blamed.
@@ -198,7 +192,7 @@ class Solver {
     for (std::size_t i = 0; i < active_.size(); ++i)
       answer_.views[active_[i]].misfit = problem_->misfit(active, i);
     take(std::move(active));
-    placed_ = boards_are_placed();
+    placed_ = answer_.by_rims || boards_are_placed();
     estimate_corner_noise();
   }
 
@@ -278,13 +272,11 @@ class Solver {
   void add_edges() {
     if (!rims_.any(active_)) return;
     JointAnswer without = answer_;
-    for (const double slack : {0.06, 0.025, 0.015, 0.01}) {
+    for (const double slack : rim_slacks) {
       // Rims that lie off for a reason must not be left out before it is known.
       if (slack == 0.015) question_rims();
-      rims_.look_within(slack);
-      rims_.settle_half_turns(state_, active_);
-      rims_.estimate_blur(state_, active_);
-      if (slack == 0.06)
+      look_at_rims(slack);
+      if (slack == rim_slacks[0])
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);
       else
         rims_.estimate_errors(state_, active_);
@@ -302,6 +294,25 @@ class Solver {
     if (!contradicts(answer_, without) || !contradicts(answer_, planes_alone())) return;
     answer_ = std::move(without);
     answer_.edges_dropped = true;
+  }
+
+  void look_at_rims(double slack) {
+    rims_.look_within(slack);
+    rims_.settle_half_turns(state_, active_);
+    rims_.estimate_blur(state_, active_);
+  }
+
+  /// One or two views: planes leave the LiDARs' places open, so that rims take part from the start, and
+  /// nothing is left over that could contradict them or given values.
+  void solve_by_rims() {
+    choose_views();
+    for (const double slack : rim_slacks) {
+      look_at_rims(slack);
+      if (slack != rim_slacks[0]) rims_.estimate_errors(state_, active_);
+      solve();
+    }
+    if (!stopping()) explain_misfit();
+    if (!stopping()) finish(Priors::as_given);
   }
 
   /// Frees what the rims contradict.
@@ -401,20 +412,7 @@ class Solver {
       answer_.free_intrinsics.push_back(static_cast<int>(sigma.size()));
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
     answer_.variance_factor = misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom);
-    invert(active);
-  }
-
-  void invert(const JointState& active) {
-    const Eigen::MatrixXd information = problem_->information();
-    const auto covariance = scaled_inverse(information);
-    if (!covariance) {
-      answer_.covariance = Eigen::MatrixXd::Constant(information.rows(), information.cols(), 0);
-      answer_.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
-      return;
-    }
-    answer_.covariance = answer_.variance_factor * *covariance;
-    if (active_.size() >= 4)
-      answer_.leave_one_out = leave_one_out(*problem_, active, information, active_.size());
+    add_covariance(answer_, *problem_, active, active_.size());
   }
 
   const InkMap ink_;

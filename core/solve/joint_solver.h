@@ -61,6 +61,7 @@ struct JointAnswer {
   /// all 0 where the view is not used.
   std::vector<Misfit> plane_misfits;
   int edges = 0;                  ///< sides of plates in the answer
+  bool by_rims = false;           ///< planes alone would not determine it: RigSeed::by_rims
   bool edges_dropped = false;     ///< the rims contradict the rest and are not in the answer
   double camera_factor = 1;       ///< >= 1, on the variance of the corners: how much the cameras disagree
                                   ///< with each other beyond their noise; it is in `corner_scale`

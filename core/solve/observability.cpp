@@ -48,12 +48,11 @@ const char* direction(bool rotation, int axis) {
   return words[rotation ? 1 : 0][static_cast<std::size_t>(axis)];
 }
 
-}  // namespace
-
-Result<Observability> judge(const PairEvidence& evidence) {
-  const std::string pair = evidence.camera + " - " + evidence.lidar;
+/// Does the direction in which the boards' normals vary least leave the answer open? Fewer than three views
+/// are refused where no rims make up for it, and two that are alike in any case: they check nothing.
+Result<void> judge_tilts(const std::string& pair, const PairEvidence& evidence, int& flat_axis) {
   const auto count = static_cast<int>(evidence.normals.size());
-  if (count < 3) {
+  if (count < 3 && (count == 0 || !evidence.rims)) {
     return fail(ErrorCode::refused, pair,
                 formatted("only %d view%s could be used, and three are the least that determine the answer",
                           count, count == 1 ? "" : "s"),
@@ -63,21 +62,42 @@ Result<Observability> judge(const PairEvidence& evidence) {
   for (const Eigen::Vector3d& n : evidence.normals) scatter += n * n.transpose() / count;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(scatter);
   // The noise of the normals looks like tilt: it does not count.
-  const double tilt = std::sqrt(std::max(0.0, spread.eigenvalues()(0) - std::pow(evidence.normal_sigma, 2)));
-  const int flat_axis = largest_axis(spread.eigenvectors().col(0));
-  if (tilt < min_tilt) {
-    const double second = std::sqrt(std::max(0.0, spread.eigenvalues()(1)));
+  const double noise = std::pow(evidence.normal_sigma, 2);
+  flat_axis = largest_axis(spread.eigenvectors().col(0));
+  if (count == 1) return {};
+  if (count == 2) {
+    const double apart =
+        std::sqrt(std::max(0.0, (evidence.normals[0] - evidence.normals[1]).squaredNorm() - 2 * noise));
+    if (apart >= min_tilt) return {};
     return fail(
         ErrorCode::refused, pair,
-        formatted(second < 2 * min_tilt ? "the boards are nearly parallel (tilt varies by %.1f deg): "
-                                          "where the LiDAR sits beside them, and "
-                                          "how it is turned about their normal, is not determined"
-                                        : "the boards' normals lie in one plane (out of it they vary by "
-                                          "%.1f deg): the position across "
-                                          "that plane is not determined",
-                  tilt * degrees),
+        formatted("the two boards are nearly parallel (%.1f deg apart): neither says anything that the "
+                  "other could check",
+                  apart * degrees),
         cure(flat_axis));
   }
+  const double tilt = std::sqrt(std::max(0.0, spread.eigenvalues()(0) - noise));
+  if (tilt >= min_tilt) return {};
+  const double second = std::sqrt(std::max(0.0, spread.eigenvalues()(1)));
+  return fail(
+      ErrorCode::refused, pair,
+      formatted(second < 2 * min_tilt ? "the boards are nearly parallel (tilt varies by %.1f deg): "
+                                        "where the LiDAR sits beside them, and "
+                                        "how it is turned about their normal, is not determined"
+                                      : "the boards' normals lie in one plane (out of it they vary by "
+                                        "%.1f deg): the position across "
+                                        "that plane is not determined",
+                tilt * degrees),
+      cure(flat_axis));
+}
+
+}  // namespace
+
+Result<Observability> judge(const PairEvidence& evidence) {
+  const std::string pair = evidence.camera + " - " + evidence.lidar;
+  const auto count = static_cast<int>(evidence.normals.size());
+  int flat_axis = 0;
+  if (auto judged = judge_tilts(pair, evidence, flat_axis); !judged) return fail(judged.error());
   const double translation = std::sqrt(evidence.covariance.bottomRightCorner<3, 3>().trace());
   const double rotation = std::sqrt(evidence.covariance.topLeftCorner<3, 3>().trace());
   if (!std::isfinite(translation + rotation) || translation > max_sigma_translation ||
@@ -97,7 +117,7 @@ Result<Observability> judge(const PairEvidence& evidence) {
   result.weakest_direction =
       direction(is_rotation, largest_axis(is_rotation ? weakest.head<3>() : weakest.tail<3>()));
   result.condition = std::sqrt(eigen.eigenvalues()(5) / std::max(1e-300, eigen.eigenvalues()(0)));
-  // With three views nothing is left over to check them by; with most views rejected, who is wrong?
+  // With three views or less nothing is left over to check them by; with most views rejected, who is wrong?
   const bool checked = count >= 4 && 10 * count >= 6 * evidence.candidates;
   const bool certain = translation <= good_sigma_translation && rotation <= good_sigma_rotation;
   result.verdict = checked && certain ? "good" : "weak";

@@ -20,6 +20,7 @@ struct PairEvidence {
   std::vector<Eigen::Vector3d> normals;  ///< of the boards in use, camera frame
   double normal_sigma = 0;               ///< rad, typical noise of one normal
   int candidates = 0;                    ///< views in which both sensors had something to offer
+  bool rims = false;                     ///< the plates' rims took part: one view may determine the answer
 };
 
 /// The verdict: an error with ErrorCode::refused that says which direction is weak and how to hold the board

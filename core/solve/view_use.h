@@ -15,4 +15,7 @@ std::string why_unusable(const ViewSights& view);
 /// In how many views LiDAR `lidar` and any camera had something to offer.
 std::size_t candidate_views(const std::vector<ViewSights>& views, std::size_t lidar);
 
+/// What an answer by the rims of one or two views is worth, and what to show next.
+std::string few_views_note(std::size_t views);
+
 }  // namespace ca2

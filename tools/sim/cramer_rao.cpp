@@ -30,7 +30,8 @@ std::optional<RangeSums> true_ranges(const SimulatedView& view, const std::strin
   for (std::size_t i = 0; i < rays->second.size(); ++i) {
     const BeamRay& ray = rays->second[i];
     const double range = -plane.distance(ray.origin) / plane.normal.dot(ray.direction);
-    returns.push_back({(ray.origin + range * ray.direction).cast<float>(), BoardReturn::no_ring, heights[i]});
+    returns.push_back({(ray.origin + range * ray.direction).cast<float>(), BoardReturn::no_ring,
+                       BoardReturn::no_intensity, heights[i]});
   }
   constexpr double gate = 0.1;  // m: all of them
   return range_sums(returns, inverse_plane(plane), 0, gate);

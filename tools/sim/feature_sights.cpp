@@ -1,5 +1,8 @@
 #include "tools/sim/feature_sights.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "core/geometry/plane.h"
 
 namespace ca2 {
@@ -42,7 +45,11 @@ Result<std::vector<ViewSights>> sights_of(const Rig& rig, const std::vector<Simu
       sight.center.setZero();
       for (const Eigen::Vector3d& p : points) sight.center += p / static_cast<double>(points.size());
       for (std::size_t i = 0; i < scan->second.size(); ++i) {
-        sight.on_board.push_back({scan->second.points[i], scan->second.ring[i], view.heights.at(name)[i]});
+        // 100 is white that sends everything back.
+        const auto intensity =
+            static_cast<std::uint16_t>(600 * std::clamp(scan->second.intensity[i], 0.f, 100.f));
+        sight.on_board.push_back(
+            {scan->second.points[i], scan->second.ring[i], intensity, view.heights.at(name)[i]});
       }
       if (const auto rim = view.crossings.find(name); rim != view.crossings.end() && rig.board.outline)
         sight.crossings = rim->second;

@@ -43,6 +43,24 @@ TEST(Pipeline, CapturesEveryHoldOnceAndNothingBetween) {
   EXPECT_EQ(script.solves[0].views->size(), 3u);
 }
 
+TEST(Pipeline, OneViewIsSolvedForWhoAsksWhereTheOutlineIsKnown) {
+  for (const bool outline : {true, false}) {
+    Script script;
+    if (!outline) script.rig.board.outline.reset();
+    Poses poses;
+    poses.hold(board_at(0, 0, 1.5), 1.5);
+    script.T_camera_board = [&](double t) { return poses.at(t); };
+    CapturePipeline pipeline(script.rig, {}, {});
+    EXPECT_FALSE(std::holds_alternative<SolveViews>(pipeline.solve(0).front()));
+    script.run(pipeline, 0, poses.end() + 1);
+    ASSERT_EQ(script.stored.size(), 1u);
+    EXPECT_TRUE(script.solves.empty());
+    const CaptureActions asked = pipeline.solve(static_cast<std::int64_t>(test::second) * 5);
+    ASSERT_EQ(asked.size(), 1u);
+    EXPECT_EQ(std::holds_alternative<SolveViews>(asked.front()), outline);
+  }
+}
+
 TEST(Pipeline, NothingWhileTheBoardMoves) {
   Script script;
   script.T_camera_board = [](double t) {

@@ -134,7 +134,7 @@ TEST_F(BeamLenses, AnAnswerThatWasStoppedIsNotRead) {
   const auto sights = sights_of(rig, draw_subset(pool_of(file.scenario, 60), 4, rng));
   ASSERT_TRUE(sights);
   const std::vector<ViewSights> views = leaving_lens_out(*sights);
-  const auto seed = seed_rig(rig.board, views, {"blackfly"}, {"puck"}, 1);
+  const auto seed = seed_rig(rig.board, views, {"blackfly"}, {"puck"}, {});
   ASSERT_TRUE(seed) << seed.error().text();
   std::stop_source source;
   source.request_stop();

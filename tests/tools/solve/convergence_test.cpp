@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "core/solve/rig_seed.h"
+#include "core/solve/half_turn.h"
 #include "tests/tools/solve/trials.h"
 
 namespace ca2 {
@@ -82,7 +82,8 @@ void hold_by_left_rim(const Outline& plate, const Pose& T_lidar_board, LidarSigh
   for (double x = -0.10; x < 0; x += 0.01) {
     for (double y = -0.05; y < 0.05; y += 0.01) {
       const Eigen::Vector3d p = T_lidar_board * Eigen::Vector3d(left.x() + x, left.y() + y, 0.015);
-      sight.around.push_back({p.cast<float>(), BoardReturn::no_ring, sight.on_board[0].height});
+      sight.around.push_back(
+          {p.cast<float>(), BoardReturn::no_ring, BoardReturn::no_intensity, sight.on_board[0].height});
     }
   }
 }

@@ -36,9 +36,11 @@ Eigen::Vector3d place(std::mt19937_64& rng) {
   return {0.25 * z * unit(rng), 0.12 * z * unit(rng), z};
 }
 
-void expect_refused(const Scenario& scenario, const std::vector<SimulatedView>& views, const char* words) {
-  for (const Method method : {Method::joint, Method::plane_to_plane, Method::kim}) {
-    const auto answer = calibrate_features(rig_of(scenario), views, method);
+void expect_refused(const Rig& rig, const std::vector<SimulatedView>& views, const char* words,
+                    std::initializer_list<Method> methods = {Method::joint, Method::plane_to_plane,
+                                                             Method::kim}) {
+  for (const Method method : methods) {
+    const auto answer = calibrate_features(rig, views, method);
     ASSERT_FALSE(answer) << words;
     EXPECT_EQ(answer.error().code, ErrorCode::refused);
     for (const Problem& problem : answer.error().problems) {
@@ -49,13 +51,20 @@ void expect_refused(const Scenario& scenario, const std::vector<SimulatedView>& 
   }
 }
 
-TEST(Refusal, FewerThanThreeViews) {
+TEST(Refusal, FewerThanThreeViewsWithoutRims) {
   for (const bool noise : {false, true}) {
     const Scenario scenario = paper(noise, 3001);
     const std::vector<SimulatedView> pool = pool_of(scenario, 2);
+    const Rig rig = rig_of(scenario);
+    Rig bare = rig;
+    bare.board.outline.reset();
     for (const int count : {1, 2}) {
-      expect_refused(scenario, {pool.begin(), pool.begin() + count}, "three are the least");
+      const std::vector<SimulatedView> views(pool.begin(), pool.begin() + count);
+      expect_refused(bare, views, "three are the least");
+      expect_refused(rig, views, "three are the least", {Method::plane_to_plane, Method::kim});
     }
+    const auto answer = calibrate_features(bare, {pool[0]});
+    EXPECT_NE(answer.error().problems.front().hint.find("`outline`"), std::string::npos);
   }
 }
 
@@ -73,7 +82,7 @@ TEST(Refusal, BoardsWithinHalfADegreeOfParallel) {
                                           pitch + 0.7 * half_degree * unit(rng), 0.5 * unit(rng));
         views.push_back(observe_features(scenario, T_rig_board, rng));
       }
-      expect_refused(scenario, views, "parallel");
+      expect_refused(rig_of(scenario), views, "parallel");
     }
   }
 }
@@ -92,7 +101,7 @@ TEST(Refusal, NormalsInOnePlane) {
                                           seed % 2 == 0 ? 0 : turn, 0.5 * unit(rng));
         views.push_back(observe_features(scenario, T_rig_board, rng));
       }
-      expect_refused(scenario, views, "one plane");
+      expect_refused(rig_of(scenario), views, "one plane");
     }
   }
 }

@@ -1,0 +1,14 @@
+/// @file How well an answer of the joint solver is known.
+#pragma once
+
+#include <cstddef>
+
+#include "core/solve/joint_solver.h"
+
+namespace ca2 {
+
+/// The covariance of the answer, inflated by its `variance_factor`, and from four views on what each of the
+/// `views` in use moves it by. Infinite where something is not determined. `problem`: linearised at `state`.
+void add_covariance(JointAnswer& answer, JointProblem& problem, const JointState& state, std::size_t views);
+
+}  // namespace ca2
