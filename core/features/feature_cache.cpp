@@ -13,7 +13,7 @@ namespace ca2 {
 namespace {
 
 constexpr std::uint64_t magic =
-    0x3430534541324143;  // "CA2AES04" on little-endian machines: others start anew
+    0x3530534541324143;  // "CA2AES05" on little-endian machines: others start anew
 
 class Writer {
  public:

@@ -31,8 +31,8 @@ class IntensityScale {
   float scale_ = 0;
 };
 
-/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre: what
-/// edges and the choice of returns by ray are made from.
+/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre, but
+/// for those on a hand: what the choice of returns by ray is made from.
 void gather_around(const Scan& scan, const BoardCandidate& candidate, const Board& board, LidarSight& sight) {
   const Outline extent = board.extent();
   const double distance = sight.center.norm();
@@ -40,14 +40,16 @@ void gather_around(const Scan& scan, const BoardCandidate& candidate, const Boar
   const double cosine = std::cos(std::atan2(radius, distance));
   const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
   const IntensityScale intensity(scan, candidate);
-  std::vector<char> on_board(scan.size(), 0);
+  std::vector<char> on_board(scan.size(), 0), covered(scan.size(), 0);
   for (const std::uint32_t i : candidate.returns) on_board[i] = 1;
+  for (const std::uint32_t i : candidate.covered) covered[i] = 1;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector3f& p = scan.points[i];
     BoardReturn here{p};
     if (!scan.ring.empty()) here.ring = scan.ring[i];
     if (here.ring < candidate.beam_height.size()) here.height = candidate.beam_height[here.ring];
-    const bool beside = !on_board[i] && p.dot(axis) > static_cast<float>(cosine) * p.norm();  // not for NaN
+    const bool beside =
+        !on_board[i] && !covered[i] && p.dot(axis) > static_cast<float>(cosine) * p.norm();  // not for NaN
     if (!on_board[i] && !beside) continue;
     here.intensity = intensity.of(i);
     (beside ? sight.around : sight.on_board).push_back(here);

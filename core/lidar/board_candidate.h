@@ -25,8 +25,9 @@ struct BoardCandidate {
                                         ///< a square, quarter turns are arbitrary), z away from
                                         ///< the sensor
   std::vector<std::uint32_t> returns;   ///< those on the board: within the
-                                        ///< plane's noise and inside its rim
-  double rms = 0;                       ///< m, of their distances along the ray to the plane
+                                        ///< plane's noise and inside its rim, not covered
+  std::vector<std::uint32_t> covered;   ///< on what lies on the board (a hand), and beside it; rising
+  double rms = 0;                       ///< m, of the `returns`' distances along the ray to the plane
   std::vector<EdgeCrossing> crossings;  ///< of the plate's rim; none where the board has no outline
   std::vector<float> beam_height;       ///< m, by ring: Projection::height; empty: the scan has no rings
   double score = 0;                     ///< 0..1: how much it looks like the board; only ranks candidates

@@ -72,9 +72,9 @@ std::vector<BoardCandidate> BoardFinder::find(const Scan& scan) {
     if (static_cast<int>(kept.size()) >= options_.max_candidates) break;
     if (taken(found_at, {candidate.T_lidar_board.t, candidate.plane.normal}, short_side)) continue;
     if (board_.outline) {
-      candidate.crossings = find_edge_crossings(
-          scan, projection,
-          {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, candidate.rms});
+      candidate.crossings = find_edge_crossings(scan, projection,
+                                                {candidate.plane, candidate.T_lidar_board, extent.width,
+                                                 extent.height, candidate.rms, candidate.covered});
     }
     if (projection.beams) candidate.beam_height = projection.height;
     kept.push_back(std::move(candidate));

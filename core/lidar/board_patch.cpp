@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/lidar/covered_returns.h"
 #include "core/lidar/outline_fit.h"
 #include "core/lidar/ray_plane.h"
 
@@ -179,7 +180,12 @@ std::optional<BoardCandidate> judge_look(const PatchContext& context, const Firs
   const Placed placed = place_rectangle(context, fit.plane, centre_of(look.placed),
                                         {0.8 * std::hypot(context.width, context.height), band, kSecondLook});
   BoardCandidate candidate;
-  candidate.returns = returns_inside(context, placed, look.margin, band, kAllRays);
+  candidate.covered = find_covered_returns(context.projection, context.image, fit.plane, centre_of(placed),
+                                           0.8 * std::hypot(context.width, context.height), fit.sigma);
+  for (const std::uint32_t i : returns_inside(context, placed, look.margin, band, kAllRays)) {
+    if (!std::binary_search(candidate.covered.begin(), candidate.covered.end(), i))
+      candidate.returns.push_back(i);
+  }
   if (candidate.returns.size() < 8) return std::nullopt;
   const Evidence evidence = weigh(context, placed, look.margin);
   if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;

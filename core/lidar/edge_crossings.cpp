@@ -130,7 +130,10 @@ class RimFinder {
     for (int k = -half; k <= half; ++k) {
       const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
       for (const std::uint32_t i : projection_.cell(ring, column)) {
-        if (const auto sample = look(scan_.points[i], height)) all.push_back(*sample);
+        auto sample = look(scan_.points[i], height);
+        if (!sample) continue;
+        if (std::binary_search(board_.covered.begin(), board_.covered.end(), i)) sample->seen = Seen::before;
+        all.push_back(*sample);
       }
     }
     const auto before = [](const Sample& a, const Sample& b) { return a.azimuth < b.azimuth; };
@@ -257,7 +260,7 @@ class RimFinder {
       float jump = std::numeric_limits<float>::infinity();
       if (next != other.end() && std::abs(next->azimuth - inside.azimuth) < step_) {
         if (next->seen == Seen::board) continue;
-        jump = static_cast<float>(next->behind);
+        jump = static_cast<float>(next->seen == Seen::before ? std::min(next->behind, -band_) : next->behind);
       }
       crossings_.push_back({inside.ray.cast<float>(), outside->cast<float>(), jump,
                             static_cast<std::uint16_t>(last), true,

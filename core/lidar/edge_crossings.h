@@ -31,9 +31,10 @@ struct EdgeCrossing {
 /// A board found in a scan, roughly: what its rim is looked for around.
 struct RimSearch {
   Plane plane;
-  Pose T_lidar_board;    ///< of the plate's centre
-  double width, height;  ///< m, of the plate
-  double noise;          ///< m, of one range
+  Pose T_lidar_board;                       ///< of the plate's centre
+  double width, height;                     ///< m, of the plate
+  double noise;                             ///< m, of one range
+  std::vector<std::uint32_t> covered = {};  ///< returns of what lies on it, rising: see find_covered_returns
 };
 
 /// The crossings of the plate's rim, ring by ring. None where the rings are not

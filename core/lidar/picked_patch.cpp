@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "core/lidar/board_candidate.h"
+#include "core/lidar/covered_returns.h"
 #include "core/lidar/outline_fit.h"
 #include "core/lidar/ray_plane.h"
 
@@ -133,9 +134,12 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   candidate.T_lidar_board = pose_of(
       place_rectangle(context, fit.plane, centre, {0.95 * std::hypot(extent.width, extent.height), band}),
       fit.plane);
+  candidate.covered = find_covered_returns(projection, image, fit.plane, candidate.T_lidar_board.t,
+                                           0.8 * std::hypot(extent.width, extent.height), fit.sigma);
   if (board.outline) {
     candidate.crossings = find_edge_crossings(
-        scan, projection, {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, fit.rms});
+        scan, projection,
+        {candidate.plane, candidate.T_lidar_board, extent.width, extent.height, fit.rms, candidate.covered});
   }
   if (projection.beams) candidate.beam_height = projection.height;
   candidate.score = static_cast<double>(inliers.size()) / static_cast<double>(patch.size());

@@ -1,0 +1,120 @@
+#include "core/lidar/covered_returns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "core/lidar/patch_view.h"
+
+namespace ca2 {
+namespace {
+
+/// Half of the square that residuals are averaged over, m: half a finger's width.
+constexpr double half_window = 0.012;
+/// A mean stands out by this and so many of its standard deviations: boards are bent, and a patch has a
+/// thousand returns.
+constexpr double least_height = 0.006, least_sigmas = 4;
+/// Further before the plane than this a return does not count for more, m.
+constexpr float most_height = 0.1F;
+/// A ring with fewer returns on the plane does not tell by how much it errs as a whole.
+constexpr std::size_t least_in_ring = 12;
+
+constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
+
+/// Part of a ring image, row by row: how far before the plane (m) the returns are; NaN: no return, or one
+/// behind it.
+struct Heights {
+  int rows = 0, columns = 0;
+  std::vector<float> height;
+  std::vector<std::uint32_t> cell;
+
+  std::size_t at(int row, int column) const { return static_cast<std::size_t>(row) * columns + column; }
+};
+
+Heights heights_of(const RingImage& image, const std::vector<PatchRay>& rays) {
+  int low = image.rows, high = -1, least = 0, most = 0;
+  const int origin = image.column(rays.front().cell);
+  const auto place = [&](std::uint32_t cell) {
+    const int turn = image.wrap(image.column(cell) - origin + image.columns / 2);
+    return (turn % image.columns) - image.columns / 2;
+  };
+  for (const PatchRay& ray : rays) {
+    low = std::min(low, image.row(ray.cell));
+    high = std::max(high, image.row(ray.cell));
+    least = std::min(least, place(ray.cell));
+    most = std::max(most, place(ray.cell));
+  }
+  Heights all{high - low + 1, most - least + 1, {}, {}};
+  all.height.assign(static_cast<std::size_t>(all.rows) * all.columns, nothing);
+  all.cell.assign(all.height.size(), 0);
+  for (const PatchRay& ray : rays) {
+    const std::size_t i = all.at(image.row(ray.cell) - low, place(ray.cell) - least);
+    all.cell[i] = ray.cell;
+    if (ray.end == RayEnd::on || ray.end == RayEnd::front)
+      all.height[i] = std::min(ray.distance, most_height);
+  }
+  return all;
+}
+
+/// Lasers have offsets of their own: the median of what is on the plane.
+void take_out_rings(Heights& all, float band) {
+  std::vector<float> on;
+  for (int row = 0; row < all.rows; ++row) {
+    on.clear();
+    for (int column = 0; column < all.columns; ++column) {
+      const float height = all.height[all.at(row, column)];
+      if (std::abs(height) <= band) on.push_back(height);
+    }
+    if (on.size() < least_in_ring) continue;
+    const auto middle = on.begin() + static_cast<std::ptrdiff_t>(on.size() / 2);
+    std::nth_element(on.begin(), middle, on.end());
+    for (int column = 0; column < all.columns; ++column) all.height[all.at(row, column)] -= *middle;
+  }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> find_covered_returns(const Projection& projection, const RingImage& image,
+                                                const Plane& plane, const Eigen::Vector3d& centre,
+                                                double radius, double sigma) {
+  const PatchFrame frame(plane, centre);
+  const double across = sigma * std::abs(plane.normal.dot(centre.normalized()));  // the noise, off the plane
+  const double band = std::max(0.02, 4 * across);
+  const std::vector<PatchRay> rays = view_patch(image, frame, radius, band, SIZE_MAX);
+  if (rays.empty()) return {};
+  Heights all = heights_of(image, rays);
+  take_out_rings(all, static_cast<float>(band));
+  const double distance = centre.norm();
+  const auto reach = [&](double gap) { return static_cast<int>(half_window / (distance * gap) + 0.5); };
+  const auto middle_row = static_cast<std::size_t>(image.row(rays[rays.size() / 2].cell));
+  const int rows = std::min(reach(image.row_angle[middle_row]), 4);
+  const int columns = std::clamp(reach(image.column_angle), 1, 8);
+  std::vector<char> covered(all.height.size(), 0);
+  const auto each_beside = [&](int row, int column, const auto& look) {
+    for (int r = std::max(0, row - rows); r <= std::min(all.rows - 1, row + rows); ++r) {
+      for (int c = std::max(0, column - columns); c <= std::min(all.columns - 1, column + columns); ++c)
+        look(all.at(r, c));
+    }
+  };
+  for (int row = 0; row < all.rows; ++row) {
+    for (int column = 0; column < all.columns; ++column) {
+      double sum = 0, count = 0;
+      each_beside(row, column, [&](std::size_t i) {
+        if (!std::isnan(all.height[i])) sum += all.height[i], count += 1;
+      });
+      if (count < 2 || sum / count < least_height + least_sigmas * across / std::sqrt(count)) continue;
+      each_beside(row, column, [&](std::size_t i) { covered[i] = 1; });
+    }
+  }
+  std::vector<std::uint32_t> returns;
+  for (std::size_t i = 0; i < covered.size(); ++i) {
+    if (covered[i] == 0 || std::isnan(all.height[i])) continue;
+    const auto here = projection.cell(all.cell[i]);
+    returns.insert(returns.end(), here.begin(), here.end());
+  }
+  std::sort(returns.begin(), returns.end());
+  return returns;
+}
+
+}  // namespace ca2
