@@ -69,13 +69,17 @@ class RingWalk {
   /// A return that the one before it is parted from: a walk may begin there.
   /// -1: none.
   int first_end() const {
-    int last = -1;
+    int first = -1, last = -1;
     for (int column = 0; column < columns_; ++column) {
       if (range_[column] == 0) continue;
       if (last >= 0 && (column - last > kBridge + 1 || parted(range_[last], range_[column]))) return column;
+      if (first < 0) first = column;
       last = column = next_break(column + 1, columns_) - 1;
     }
-    return -1;
+    // Nothing else came back in this ring, or the one surface ends where columns begin anew.
+    const bool ends =
+        first >= 0 && (first + columns_ - last > kBridge + 1 || parted(range_[last], range_[first]));
+    return ends ? first : -1;
   }
 
   /// From this column on; `to` where there is none before it.

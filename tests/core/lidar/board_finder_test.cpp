@@ -146,6 +146,27 @@ TEST(BoardFinderForms, several_sweeps_in_one_scan) {
   EXPECT_GT(candidates[0].returns.size(), 3 * alone[0].returns.size());
 }
 
+/// Outdoors, or in a dark hall: a ring that sees the board sees nothing else.
+TEST(BoardFinderForms, nothing_else_comes_back) {
+  const SceneSetup setup{0.42, 0.297, 1.0, 1.8, 0.6, false};
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Scene scene = make_scene(SceneSensor::os0_128(), setup, ScanForm::full, 40 + seed);
+    Scan alone;
+    alone.rings = scene.scan.rings;
+    alone.columns = scene.scan.columns;
+    for (std::size_t i = 0; i < scene.scan.size(); ++i) {
+      if (!scene.on_board[i]) continue;
+      alone.points.push_back(scene.scan.points[i]);
+      alone.ring.push_back(scene.scan.ring[i]);
+      alone.column.push_back(scene.scan.column[i]);
+    }
+    scene.scan = alone;
+    found += rank_of_truth(find_board_candidates(alone, board_of(0.42, 0.297)), scene, 0.297) == 1;
+  }
+  EXPECT_EQ(found, 10);
+}
+
 TEST(BoardFinderForms, nothing_to_find) {
   const Board board = board_of(0.42, 0.297);
   EXPECT_TRUE(find_board_candidates(Scan{}, board).empty());
