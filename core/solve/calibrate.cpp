@@ -14,6 +14,7 @@
 #include "core/solve/observability.h"
 #include "core/solve/plane_pairs.h"
 #include "core/solve/rig_seed.h"
+#include "core/solve/rim_conflict.h"
 #include "core/solve/view_use.h"
 #include "core/types/text.h"
 
@@ -427,6 +428,9 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   }
   const auto [answer, lenses] = solve_with_lenses(rig, cameras, views, *seed, std::move(joint));
   if (options.stop.stop_requested()) return stopped();
+  if (std::vector<Problem> problems = unlikely_ranges(names.lidars, answer, options.prior_bias);
+      !problems.empty())
+    return fail(ErrorCode::refused, std::move(problems));
   Result<Calibration> calibration = JointReport(rig, names, views, answer, options).make();
   if (!calibration) return calibration;
   for (std::size_t l = 0; l < lenses.size(); ++l) {

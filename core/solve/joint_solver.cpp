@@ -306,6 +306,7 @@ class Solver {
   /// nothing is left over that could contradict them or given values.
   void solve_by_rims() {
     choose_views();
+    rims_.expect_at_least(usual_edge_noise);
     for (const double slack : rim_slacks) {
       look_at_rims(slack);
       if (slack != rim_slacks[0]) rims_.estimate_errors(state_, active_);

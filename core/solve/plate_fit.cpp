@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/lidar/rectangle_fit.h"
-#include "core/solve/edge_sums.h"
+#include "core/solve/edge_noise.h"
 #include "core/solve/lidar_terms.h"
 
 namespace ca2 {
@@ -17,9 +17,14 @@ namespace {
 constexpr std::array slacks{0.06, 0.04, 0.025, 0.015, 0.015};
 /// More than this share of a rim, or of the returns, on the wrong side of the plate's: it is another thing's.
 constexpr double most_contradicting = 0.1, most_beside = 0.03;
-constexpr int least_crossings = 6;
+/// A straight rim passes through any two crossings: so many rings must cross it where it is, and so large a
+/// share of those that do; what lies between two rings only bounds it.
+constexpr std::size_t least_crossings = 6;
+constexpr double least_on_rim = 0.7;
 /// A ray is on the wrong side of a rim only when it is by so much: m, and of the distance (wide beams).
 constexpr double tolerance = 0.015, tolerance_share = 0.004;
+/// A crossing is on it within this.
+constexpr double near_rim = 0.006, near_rim_share = 0.003;
 /// Sides that are seen of it at least.
 constexpr std::size_t least_sides = 3;
 /// The returns of a patch may be off together by so much, m.
@@ -82,7 +87,8 @@ double outside(const Outline& plate, const Eigen::Vector2d& p) {
 bool agrees(const LidarSight& sight, const Outline& plate, const Pose& T_lidar_plate) {
   const double slack = tolerance + tolerance_share * T_lidar_plate.t.norm();
   const Sheet sheet(T_lidar_plate);
-  std::size_t beside = 0, wrong = 0, telling = 0;
+  const double near = near_rim + near_rim_share * T_lidar_plate.t.norm();
+  std::size_t beside = 0, wrong = 0, telling = 0, by_rings = 0, on_rim = 0;
   for (const BoardReturn& here : sight.on_board)
     beside += outside(plate, sheet.place(here.point.cast<double>())) > slack ? 1 : 0;
   for (const EdgeCrossing& crossing : sight.crossings) {
@@ -90,9 +96,15 @@ bool agrees(const LidarSight& sight, const Outline& plate, const Pose& T_lidar_p
     const auto on = sheet.meet(crossing.inside, crossing.inside_height);
     const auto past = sheet.meet(crossing.outside, crossing.outside_height);
     if (!on || !past) continue;
+    const double last = outside(plate, *on), next = outside(plate, *past);
     ++telling;
-    wrong += outside(plate, *on) > slack || outside(plate, *past) < -slack ? 1 : 0;
+    wrong += last > slack || next < -slack ? 1 : 0;
+    if (crossing.across_rings) continue;
+    ++by_rings;
+    on_rim += last < near && next > -near ? 1 : 0;
   }
+  if (on_rim < least_crossings || static_cast<double>(on_rim) < least_on_rim * static_cast<double>(by_rings))
+    return false;
   return static_cast<double>(beside) <= most_beside * static_cast<double>(sight.on_board.size()) &&
          static_cast<double>(wrong) <= most_contradicting * static_cast<double>(telling);
 }
@@ -108,11 +120,11 @@ std::optional<PlateFit> settled(const LidarSight& sight, const Outline& plate, c
   std::vector<EdgeSums> sides;
   for (const double slack : slacks) {
     for (int round = 0; round < 3; ++round) {
-      sides = edge_sums(sight.crossings, plate, fit.T_lidar_plate, errors.dilation, {}, slack);
+      EdgeNoise noise = usual_edge_noise;
+      sides = edge_sums(sight.crossings, plate, fit.T_lidar_plate, errors.dilation, noise, slack);
       if (sides.size() < least_sides) return std::nullopt;
-      double blur = 0;
-      for (const EdgeSums& side : sides) blur = std::max(blur, side.blur);
-      sides = edge_sums(sight.crossings, plate, fit.T_lidar_plate, errors.dilation, {blur, 0, 0, 0}, slack);
+      for (const EdgeSums& side : sides) noise.blur = std::max(noise.blur, usual_edge_noise.blur + side.blur);
+      sides = edge_sums(sight.crossings, plate, fit.T_lidar_plate, errors.dilation, noise, slack);
       SensorEquations equations;
       add_edges(sides, 0, fit.T_lidar_plate, errors, &equations);
       H = equations.H.topLeftCorner<7, 7>();
@@ -132,9 +144,7 @@ std::optional<PlateFit> settled(const LidarSight& sight, const Outline& plate, c
     }
   }
   if (sides.size() < least_sides) return std::nullopt;
-  int explained = 0;
-  for (const EdgeSums& side : sides) explained += side.count;
-  if (explained < least_crossings || !agrees(sight, plate, fit.T_lidar_plate)) return std::nullopt;
+  if (!agrees(sight, plate, fit.T_lidar_plate)) return std::nullopt;
   const double flat = 1 / (normal_sigma * normal_sigma);
   H.diagonal().head<2>().array() += flat;
   H(5, 5) += 1 / (range_doubt * range_doubt);

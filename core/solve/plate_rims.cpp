@@ -98,7 +98,8 @@ void PlateRims::settle_half_turns(const JointState& state, std::span<const std::
 void PlateRims::estimate_blur(const JointState& state, std::span<const std::size_t> used) {
   for (std::size_t l = 0; l < noise_.size(); ++l) {
     const std::vector<EdgeView> views = all_seen(state, used, l);
-    if (!views.empty()) noise_[l].blur = estimate_edge_blur(views, state.dilation[l], slack_);
+    if (!views.empty())
+      noise_[l].blur = std::max(least_.blur, estimate_edge_blur(views, state.dilation[l], slack_));
   }
 }
 
@@ -109,6 +110,8 @@ void PlateRims::estimate_errors(const JointState& state, std::span<const std::si
     const double blur = noise_[l].blur;
     noise_[l] = likeliest_errors(rim_residuals(views, state.dilation[l], blur, slack_)).noise;
     noise_[l].blur = blur;
+    noise_[l].shared = std::max(noise_[l].shared, least_.shared);
+    noise_[l].backdrop = std::max(noise_[l].backdrop, least_.backdrop);
   }
 }
 

@@ -34,6 +34,8 @@ class PlateRims {
   /// view whose rims do not has none.
   void settle_half_turns(const JointState& state, std::span<const std::size_t> used);
 
+  /// From now on nobody is taken to tell where rims are better than so.
+  void expect_at_least(const EdgeNoise& noise) { least_ = noise; }
   /// Finds out how well the LiDARs tell where rims are; what only few of them could say is left as it is.
   void estimate_blur(const JointState& state, std::span<const std::size_t> used);
   void estimate_errors(const JointState& state, std::span<const std::size_t> used);
@@ -65,6 +67,7 @@ class PlateRims {
   std::vector<EdgeNoise> noise_;        ///< by LiDAR
   mutable std::vector<RimMemo> memos_;  ///< by view, then LiDAR; they change no answer
   double slack_ = 0;                    ///< m
+  EdgeNoise least_;                     ///< see expect_at_least
 };
 
 }  // namespace ca2

@@ -100,7 +100,8 @@ TEST_P(FewViewsOf, ErrorsAreAsTheCovarianceSays) {
               answers, trials, 1e3 * translation / answers, nees / answers, std::sqrt(worst / 6));
   for (const auto& [words, times] : refusals) std::printf("  %2d times %s\n", times, words.c_str());
   EXPECT_GE(answers, trials / 2);
-  EXPECT_GT(nees / answers, 0.6);
+  // Rims are taken to err a little more than those of this simulator do.
+  EXPECT_GT(nees / answers, 0.5);
   EXPECT_LT(nees / answers, 1.5);
   EXPECT_LT(std::sqrt(worst / 6), 5);
 }
