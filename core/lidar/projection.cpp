@@ -14,9 +14,8 @@ constexpr double largest_rest = 5e-4;
 /// Per ring the straight line z = height + slope * rho through its returns:
 /// beams of one ring lie on a cone whose apex need not be the origin. A ring
 /// whose returns are all equally far says nothing about the apex, which then is
-/// taken for the origin: the ridge stands for a prior of about 0.2 m. Some
-/// hundred returns of a ring tell it: noise along a beam does not leave the
-/// cone.
+/// taken for the origin: the ridge stands for a prior of about 0.2 m and returns that lie 2 mm off the cone.
+/// Some hundred returns of a ring tell it: noise along a beam does not leave the cone.
 void fit_cones(const Scan& scan, Projection& out) {
   out.slope.assign(static_cast<std::size_t>(out.rings), std::numeric_limits<float>::quiet_NaN());
   out.height.assign(static_cast<std::size_t>(out.rings), 0);
@@ -36,7 +35,7 @@ void fit_cones(const Scan& scan, Projection& out) {
       }
     }
     if (n == 0 || sum_rr == 0) continue;
-    const double weight = n + (out.beams ? 0.02 : 1e12), determinant = weight * sum_rr - sum_r * sum_r;
+    const double weight = n + (out.beams ? 1e-4 : 1e12), determinant = weight * sum_rr - sum_r * sum_r;
     double height = (sum_z * sum_rr - sum_r * sum_rz) / determinant;
     double slope = (sum_rz - height * sum_r) / sum_rr;
     if (sum_zz - height * sum_z - slope * sum_rz > largest_rest * largest_rest * sum_rr) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include <cmath>
 #include <map>
 #include <set>
@@ -110,6 +112,28 @@ TEST(Projection, images_show_the_nearest_return) {
   }
   EXPECT_EQ(bright, (std::multiset<float>{20, 30}));
   EXPECT_EQ(near, (std::multiset<float>{2, 5}));
+}
+
+/// A board outdoors is all that a ring sees, and its returns are hardly nearer or farther than each other.
+TEST(Projection, a_short_piece_of_a_ring_tells_where_its_beams_begin) {
+  constexpr double begins = 0.038, climb = 0.1;  // m; of the beam
+  Scan scan;
+  scan.rings = 2;
+  scan.columns = 1024;
+  for (int k = 0; k < 40; ++k) {
+    const double azimuth = 0.1 - k * 2 * std::numbers::pi / 1024;
+    for (int ring = 0; ring < 2; ++ring) {
+      const double across = 1.2 + 0.002 * k + (k % 2 == 0 ? 0.01 : -0.01);
+      scan.points.emplace_back(Eigen::Vector3d(across * std::cos(azimuth), across * std::sin(azimuth),
+                                               begins + (climb + 0.01 * ring) * across)
+                                   .cast<float>());
+      scan.ring.push_back(static_cast<std::uint16_t>(ring));
+      scan.column.push_back(static_cast<std::uint32_t>(496 + k));
+    }
+  }
+  const Projection projection = project_by_id(scan);
+  ASSERT_TRUE(projection.beams);
+  for (std::size_t ring = 0; ring < 2; ++ring) EXPECT_NEAR(projection.height[ring], begins, 0.001);
 }
 
 }  // namespace
