@@ -7,12 +7,12 @@
 #include <limits>
 #include <utility>
 
-#include "core/geometry/levenberg_marquardt.h"
 #include "core/solve/answer_covariance.h"
 #include "core/solve/corner_doubts.h"
 #include "core/solve/corner_noise.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/plate_rims.h"
+#include "core/solve/range_noise.h"
 #include "core/solve/rim_conflict.h"
 #include "core/solve/rim_doubts.h"
 #include "core/solve/shared_error.h"
@@ -23,17 +23,21 @@ namespace {
 
 /// How far boards may move before corners are projected anew, rad and of their distance: while returns and
 /// noise are still being settled, and for the answer. The neglected second order is the square of it.
-constexpr double coarse_reach = 3e-4, fine_reach = 3e-5;
+constexpr double coarse_reach = 3e-4, fine_reach = 1e-4;
 /// Standard deviation of a LiDAR's place from which on rays choose the returns, m.
 constexpr double well_placed = 0.01;
 /// And from as many views on they do in any case: only what rays choose can be rid of the lasers' own errors.
 constexpr std::size_t enough_views = 5;
 /// Few views leave too little over to contradict given intrinsics.
 constexpr std::size_t least_views_to_doubt = 5;
-/// How far rims may lie from where they are predicted, m, solve after solve.
-constexpr std::array rim_slacks{0.06, 0.025, 0.015, 0.01};
+/// How far rims may lie from where they are predicted, m, solve after solve; and where planes told nothing.
+constexpr std::array rim_slacks{0.06, 0.025, 0.01};
+constexpr std::array rim_slacks_alone{0.06, 0.025, 0.015, 0.01};
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
+/// What is solved once more anyway is solved well enough where the cost is to fall by less than this share of
+/// it: the step that is left, and taken, is a thousandth of a standard deviation of each unknown.
+constexpr double enough_decrease = 3e-6;
 
 class Solver {
  public:
@@ -86,11 +90,13 @@ class Solver {
     }
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve();
+    estimate_corner_noise();
     // Only the second time round are returns and noise those of the solution, and views to be blamed.
     solve();
-    solve();
+    estimate_corner_noise();
+    solve_and_judge();
     if (!stopping()) question_corners();
-    while (!stopping() && drop_worst()) solve();
+    while (!stopping() && drop_worst()) solve_and_judge();
     for (const JointViewOutcome& view : answer_.views)
       answer_.plane_misfits.push_back(view.used ? view.misfit : Misfit{});
     if (!stopping()) explain_misfit();
@@ -100,16 +106,12 @@ class Solver {
   }
 
  private:
-  int sensors_in(std::size_t v) const {
-    int count = 0;
-    for (const auto& corners : corners_[v]) count += corners.empty() ? 0 : 1;
-    for (const int hypothesis : answer_.chosen[v]) count += hypothesis >= 0 ? 1 : 0;
-    return count;
-  }
-
   void note_usability(std::size_t v) {
     JointViewOutcome& outcome = answer_.views[v];
-    outcome.used = sensors_in(v) >= 2;
+    const auto cameras = std::ranges::count_if(corners_[v], [](const auto& seen) { return !seen.empty(); });
+    const auto lidars =
+        std::ranges::count_if(answer_.chosen[v], [](int hypothesis) { return hypothesis >= 0; });
+    outcome.used = cameras + lidars >= 2;
     if (!outcome.used) outcome.reason = why_unusable(views_[v]);
   }
 
@@ -183,48 +185,42 @@ class Solver {
   void solve() {
     if (stopping()) return;
     prepare();
-    estimate_range_noise();
-    marginalize_view_errors();
+    input_.range_sigma = answer_.range_sigma = range_noise(input_, state_);
+    marginalize_view_errors(input_, answer_.view_sigma);
+    solve_prepared();
+  }
+
+  void solve_prepared() {
     JointState active = active_state();
     input_.corner_reach = coarse_reach;
-    minimize(*problem_, active, {.max_iterations = 30, .initial_damping = damping_, .stop = stop_});
+    LmOptions options{.max_iterations = 30, .initial_damping = damping_, .stop = stop_};
+    options.gradient_tolerance = enough_decrease;
+    minimize(*problem_, active, options);
     damping_ = warm_damping;
-    for (std::size_t i = 0; i < active_.size(); ++i)
-      answer_.views[active_[i]].misfit = problem_->misfit(active, i);
     take(std::move(active));
     placed_ = answer_.by_rims || boards_are_placed();
+  }
+
+  void solve_and_judge() {
+    solve();
+    judge();
+  }
+
+  void judge() {
+    if (stopping()) return;
+    note_misfits(active_state());
     estimate_corner_noise();
+  }
+
+  void note_misfits(const JointState& active) {
+    for (std::size_t i = 0; i < active_.size(); ++i)
+      answer_.views[active_[i]].misfit = problem_->misfit(active, i);
   }
 
   /// Is it known well enough where the LiDARs are for rays to tell which returns are the boards'? Three
   /// views' planes may leave it open by centimetres, and returns chosen by a wrong place make that worse.
   bool boards_are_placed() const {
     return active_.size() >= enough_views || problem_->lidar_place_sigma() < well_placed;
-  }
-
-  /// Noise of one return, from the residuals to each view's own plane (3 degrees of freedom each).
-  void estimate_range_noise() {
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      double squares = 0;
-      double freedom = 0;
-      for (const JointView& view : input_.views) {
-        if (!view.ranges[l]) continue;
-        squares += view.ranges[l]->about_own_plane(state_.range_bias[l], state_.range_slope[l]);
-        freedom += view.ranges[l]->weight - 3;
-      }
-      if (freedom > 0) answer_.range_sigma[l] = std::max(1e-5, std::sqrt(squares / freedom));
-    }
-    input_.range_sigma = answer_.range_sigma;
-  }
-
-  /// Takes the error that the returns of a view share out of their sums.
-  void marginalize_view_errors() {
-    for (JointView& view : input_.views) {
-      for (std::size_t l = 0; l < lidars_; ++l) {
-        if (!view.ranges[l]) continue;
-        view.ranges[l] = view.ranges[l]->with_shared_error(answer_.view_sigma[l], answer_.range_sigma[l]);
-      }
-    }
   }
 
   /// Sum over the views of their sensors' disagreement. The relative poses took 6 degrees of freedom each.
@@ -242,17 +238,25 @@ class Solver {
     const Misfit before = total_misfit();
     if (before.lidar_freedom < 3 || misfit_excess(before.lidars, before.lidar_freedom) == 1) return;
     const auto share = [](const Misfit& misfit) { return misfit.lidar_freedom / misfit.lidars; };
+    // Returns, rims and noise are what they were: only what the views' sums are worth changes.
+    prepare();
+    std::vector<std::vector<std::optional<RangeSums>>> ranges;
+    for (const JointView& view : input_.views) ranges.push_back(view.ranges);
+    const auto solve_with = [&](double view_sigma) {
+      answer_.view_sigma.assign(lidars_, view_sigma);
+      for (std::size_t i = 0; i < ranges.size(); ++i) input_.views[i].ranges = ranges[i];
+      marginalize_view_errors(input_, answer_.view_sigma);
+      solve_prepared();
+      note_misfits(active_state());
+    };
     SharedErrorSearch search(share(before));
-    while (const auto error = search.next()) {
-      answer_.view_sigma.assign(lidars_, *error);
-      solve();
+    for (auto error = search.next(); error && !stopping(); error = search.next()) {
+      solve_with(*error);
       search.take(share(total_misfit()));
     }
-    const Misfit after = total_misfit();
-    if (misfit_excess(after.lidars, after.lidar_freedom) == 1) return;
+    if (misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom) == 1) return;
     // It is not the LiDARs that disagree: the covariance makes up for it instead.
-    answer_.view_sigma.assign(lidars_, 0);
-    solve();
+    solve_with(0);
   }
 
   void prepare_edges() {
@@ -274,9 +278,9 @@ class Solver {
     JointAnswer without = answer_;
     for (const double slack : rim_slacks) {
       // Rims that lie off for a reason must not be left out before it is known.
-      if (slack == 0.015) question_rims();
+      if (slack == rim_slacks.back()) question_rims();
       look_at_rims(slack);
-      if (slack == rim_slacks[0])
+      if (slack == rim_slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);
       else
         rims_.estimate_errors(state_, active_);
@@ -286,6 +290,7 @@ class Solver {
         return;
       }
     }
+    judge();
     without.lens_gain = answer_.lens_gain =
         rims_.lens_gains(state_, active_, input_.rim_freedom, lens_radius_);
     // With their rims views may disagree where planes alone left room to agree.
@@ -307,10 +312,10 @@ class Solver {
   void solve_by_rims() {
     choose_views();
     rims_.expect_at_least(usual_edge_noise);
-    for (const double slack : rim_slacks) {
+    for (const double slack : rim_slacks_alone) {
       look_at_rims(slack);
-      if (slack != rim_slacks[0]) rims_.estimate_errors(state_, active_);
-      solve();
+      if (slack != rim_slacks_alone.front()) rims_.estimate_errors(state_, active_);
+      solve_and_judge();
     }
     if (!stopping()) explain_misfit();
     if (!stopping()) finish(Priors::as_given);
@@ -337,6 +342,7 @@ class Solver {
 
   /// Corner noise, from the reprojection residuals at the solution.
   void estimate_corner_noise() {
+    if (stopping()) return;
     for (std::size_t c = 0; c < input_.cameras.size(); ++c) {
       CornerNoise noise;
       for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -362,7 +368,8 @@ class Solver {
     problem_.reset();  // its unknowns are others
     damping_ = cold_damping;
     solve();
-    solve();
+    estimate_corner_noise();
+    solve_and_judge();
   }
 
   /// Takes out the view whose sensors disagree most, if chance does not explain it.
@@ -380,14 +387,13 @@ class Solver {
 
   /// By how much the cameras disagree beyond their noise, as a factor on its variance; 1: maybe chance.
   double camera_excess(const JointState& active) {
-    for (std::size_t i = 0; i < active_.size(); ++i)
-      answer_.views[active_[i]].misfit = problem_->misfit(active, i);
+    note_misfits(active);
     return misfit_excess(total_misfit().cameras, total_misfit().camera_freedom);
   }
 
   void finish(Priors priors) {
     prepare();
-    marginalize_view_errors();
+    marginalize_view_errors(input_, answer_.view_sigma);
     JointState active = active_state();
     input_.corner_reach = fine_reach;
     minimize_and_weigh(*problem_, input_, active, priors);
@@ -397,14 +403,11 @@ class Solver {
       for (double& scale : input_.corner_scale) scale *= std::sqrt(answer_.camera_factor);
       answer_.corner_scale = input_.corner_scale;
       minimize_and_weigh(*problem_, input_, active, priors);
+      note_misfits(active);
     }
     take(active);
-    for (std::size_t i = 0; i < active_.size(); ++i) {
-      const std::size_t v = active_[i];
-      JointViewOutcome& outcome = answer_.views[v];
-      outcome.misfit = problem_->misfit(active, i);
-      outcome.plane_rms = problem_->range_rms(active, i);
-    }
+    for (std::size_t i = 0; i < active_.size(); ++i)
+      answer_.views[active_[i]].plane_rms = problem_->range_rms(active, i);
     answer_.state = state_;
     answer_.stretch_free = input_.prior_stretch > 0;
     answer_.rims_free = rims_.in_use() && input_.rim_freedom.depth > 0;

@@ -85,7 +85,9 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
 }
 
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors) {
-  const LmOptions options{.max_iterations = 30};
+  // Close to the minimum from the start. The step that is left, and taken, is some 1e-3 of a standard
+  // deviation, over all unknowns together.
+  const LmOptions options{.max_iterations = 30, .initial_damping = 1e-8, .gradient_tolerance = 1e-9};
   input.nuisances.reset();
   minimize(problem, state, options);
   problem.linearize(state);

@@ -12,7 +12,8 @@ namespace ca2 {
 /// Of one rim, whose crossings never change.
 class RimMemo {
  public:
-  /// `edge_sums` of just these, in which of the noise only the blur has more than a small part.
+  /// `edge_sums` of these, or those made for a place a hair's breadth beside. Of the noise only the blur has
+  /// more than a small part in them.
   std::vector<EdgeSums> sums(std::span<const EdgeCrossing> crossings, const Outline& outline,
                              const Pose& T_lidar_board, const Dilation& dilation, const EdgeNoise& noise,
                              double slack);
@@ -23,7 +24,7 @@ class RimMemo {
     Pose T_lidar_board;
     Dilation dilation;
     double blur, slack;
-    bool operator==(const Key& other) const;
+    bool good_for(const Key& other) const;
   };
   std::optional<Key> key_;
   std::vector<EdgeSums> sums_;  ///< without an error that is shared

@@ -22,27 +22,25 @@ constexpr int fitted_anyway = 8;
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
 
-/// The view's pose and dilation moved by `x`, in the order of RimResidual::by_common.
-Eigen::Vector4d moved(const EdgeSums& edge, const Pose& T_lidar_board, const Dilation& dilation,
-                      const Vector9d& x) {
-  Pose T = Pose{}.perturbed(x.head<6>()) * T_lidar_board;
-  T.t += x(8) * T.R.col(2);
-  return edge.at(T, {dilation.angle + x(6), dilation.margin + x(7)});
-}
-
 RimResidual residual(const EdgeSums& edge, const Pose& T_lidar_board, const Dilation& dilation) {
-  const Eigen::Vector4d z = edge.at(T_lidar_board, dilation);
+  const Eigen::Vector3d a = T_lidar_board * edge.a, b = T_lidar_board * edge.b;
+  const Eigen::Vector3d across = a.cross(b);
+  const double length = across.norm();
+  const Eigen::Vector3d normal = across / length;
+  Eigen::Vector4d z;
+  z << normal, dilation.at(edge.range);
   RimResidual side{edge.rows * z, edge.covariance, {}, {}, edge.range, edge.freedom};
-  constexpr double step = 1e-5;  // rad, m
-  for (Eigen::Index k = 0; k < 9; ++k) {
-    const Vector9d x = step * Vector9d::Unit(k);
-    side.by_common.col(k) = edge.rows * (moved(edge, T_lidar_board, dilation, x) - z) / step;
-  }
-  for (int k = 0; k < 2; ++k) {
-    Pose swayed = T_lidar_board;
-    swayed.t += step * T_lidar_board.R.col(k);
-    side.by_sway.col(k) = edge.rows * (edge.at(swayed, dilation) - z) / step;
-  }
+  // The side's plane turns with the pose; where both ends move by v, a x b changes by (a - b) x v.
+  const Eigen::Matrix3d by_move =
+      (Eigen::Matrix3d::Identity() - normal * normal.transpose()) / length * skew(a - b);
+  Eigen::Matrix<double, 3, 9> D = Eigen::Matrix<double, 3, 9>::Zero();
+  D.leftCols<3>() = -skew(normal);
+  D.middleCols<3>(3) = by_move;
+  D.col(8) = by_move * T_lidar_board.R.col(2);
+  side.by_common = edge.rows.leftCols<3>() * D;
+  side.by_common.col(6) += edge.rows.col(3);
+  side.by_common.col(7) += edge.rows.col(3) / edge.range;
+  side.by_sway = edge.rows.leftCols<3>() * by_move * T_lidar_board.R.leftCols<2>();
   return side;
 }
 

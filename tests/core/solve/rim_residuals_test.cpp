@@ -46,6 +46,33 @@ TEST(RimResiduals, BackdropsShow) {
   EXPECT_LT(noise.backdrop, 0.001);
 }
 
+/// Derivatives, against moves of the plate in the sensor's frame, of its dilation and depth, and of its sway.
+TEST(RimResiduals, DerivativesAreThoseOfMoves) {
+  const Pose T = plate_at(0.3);
+  const Dilation dilation{how_wide, 0};
+  const auto crossings = scan_rim(T, {.phase = 0.2, .dilation = dilation});
+  const EdgeView view{crossings, test_plate, T};
+  const auto sides = edge_sums(crossings, test_plate, T, dilation, {}, slack);
+  const RimResiduals residuals = rim_residuals(std::span(&view, 1), dilation, 0, slack);
+  ASSERT_EQ(residuals.at(0).size(), sides.size());
+  constexpr double step = 1e-6;  // rad, m
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const auto derivative = [&](const Pose& moved, const Dilation& seen) {
+      return Eigen::Vector2d(sides[i].rows * (sides[i].at(moved, seen) - sides[i].at(T, dilation)) / step);
+    };
+    const auto along = [&](int axis) { return Pose{T.R, T.t + step * T.R.col(axis)}; };
+    Eigen::Matrix<double, 2, 9> by_common;
+    for (int k = 0; k < 6; ++k)
+      by_common.col(k) = derivative(Pose{}.perturbed(step * Vector6d::Unit(k)) * T, dilation);
+    by_common.col(6) = derivative(T, {dilation.angle + step, 0});
+    by_common.col(7) = derivative(T, {dilation.angle, step});
+    by_common.col(8) = derivative(along(2), dilation);
+    EXPECT_LT((residuals[0][i].by_common - by_common).lpNorm<Eigen::Infinity>(), 1e-5);
+    EXPECT_LT((residuals[0][i].by_sway.col(0) - derivative(along(0), dilation)).norm(), 1e-5);
+    EXPECT_LT((residuals[0][i].by_sway.col(1) - derivative(along(1), dilation)).norm(), 1e-5);
+  }
+}
+
 /// A backdrop moves a side, it does not turn it.
 TEST(RimResiduals, BackdropsLeaveDirectionsAlone) {
   const Pose T = plate_at(0.3);
