@@ -5,34 +5,41 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace ca2 {
 namespace {
 
+/// Of the deviations' sigma: how probable it is for the mean, and how probable for the covariance.
 struct Factor {
-  double size, chance;
+  double size, chance, cautious;
 };
-constexpr std::array<Factor, 7> factors{
-    {{0, 0.1}, {1. / 32, 0.02}, {1. / 16, 0.02}, {1. / 8, 0.02}, {1. / 4, 0.02}, {1. / 2, 0.02}, {1, 0.8}}};
+constexpr std::array<Factor, 7> factors{{{0, 0.5, 0.1},
+                                         {1. / 32, 0.02, 0.02},
+                                         {1. / 16, 0.02, 0.02},
+                                         {1. / 8, 0.02, 0.02},
+                                         {1. / 4, 0.02, 0.02},
+                                         {1. / 2, 0.02, 0.02},
+                                         {1, 0.4, 0.8}}};
 /// Nothing is known better than to this share of its `sigma`: keeps the mixture's covariance regular.
 constexpr double least_sigma = 1e-4;
 
 /// The deviations in units of their `sigma` under one choice of factors.
 struct Component {
-  double log_weight = 0;
+  double log_weight = 0, log_cautious = 0;
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
 
-Component component_of(const Eigen::MatrixXd& H, const Eigen::VectorXd& h, const Eigen::VectorXd& size,
-                       double log_prior) {
+Component component_of(const Eigen::MatrixXd& H, const Eigen::VectorXd& h, const Eigen::VectorXd& size) {
   const Eigen::Index count = h.size();
   const Eigen::LLT<Eigen::MatrixXd> llt(size.asDiagonal() * H * size.asDiagonal() +
                                         Eigen::MatrixXd::Identity(count, count));
   const Eigen::VectorXd g = size.cwiseProduct(h);
   const Eigen::VectorXd x = llt.solve(g);
   const double log_determinant = 2 * llt.matrixLLT().diagonal().array().log().sum();
-  return {log_prior + 0.5 * g.dot(x) - 0.5 * log_determinant, size.cwiseProduct(x),
+  const double log_likelihood = 0.5 * g.dot(x) - 0.5 * log_determinant;
+  return {log_likelihood, log_likelihood, size.cwiseProduct(x),
           size.asDiagonal() * llt.solve(Eigen::MatrixXd::Identity(count, count)) * size.asDiagonal()};
 }
 
@@ -44,13 +51,16 @@ std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eig
   std::vector<std::size_t> choice(static_cast<std::size_t>(groups), 0);
   for (bool more = true; more;) {
     Eigen::VectorXd size = Eigen::VectorXd::Ones(h.size());
-    double log_prior = 0;
     for (Eigen::Index i = 0; i < size.size(); ++i) {
       const int group = evidence.group[static_cast<std::size_t>(i)];
       if (group >= 0) size(i) = factors[choice[static_cast<std::size_t>(group)]].size;
     }
-    for (const std::size_t c : choice) log_prior += std::log(factors[c].chance);
-    list.push_back(component_of(H, h, size, log_prior));
+    Component component = component_of(H, h, size);
+    for (const std::size_t c : choice) {
+      component.log_weight += std::log(factors[c].chance);
+      component.log_cautious += std::log(factors[c].cautious);
+    }
+    list.push_back(std::move(component));
     more = false;
     for (std::size_t& c : choice) {
       if (++c < factors.size()) {
@@ -63,6 +73,16 @@ std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eig
   return list;
 }
 
+/// Relative to their sum.
+std::vector<double> weights_of(const std::vector<Component>& components, double Component::*logarithm) {
+  double largest = -std::numeric_limits<double>::infinity(), total = 0;
+  for (const Component& c : components) largest = std::max(largest, c.*logarithm);
+  std::vector<double> weights;
+  for (const Component& c : components) total += weights.emplace_back(std::exp(c.*logarithm - largest));
+  for (double& weight : weights) weight /= total;
+  return weights;
+}
+
 }  // namespace
 
 NuisancePrior weigh_nuisances(const NuisanceEvidence& evidence) {
@@ -71,19 +91,15 @@ NuisancePrior weigh_nuisances(const NuisanceEvidence& evidence) {
   const Eigen::MatrixXd H = unit * evidence.H * unit;
   const Eigen::VectorXd h = unit * evidence.h;
   const std::vector<Component> components = components_of(evidence, H, h);
-  double largest = -std::numeric_limits<double>::infinity(), total = 0;
-  for (const Component& c : components) largest = std::max(largest, c.log_weight);
+  const std::vector<double> weights = weights_of(components, &Component::log_weight);
+  const std::vector<double> cautious = weights_of(components, &Component::log_cautious);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
-  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(count, count);
-  for (const Component& c : components) {
-    const double weight = std::exp(c.log_weight - largest);
-    total += weight;
-    mean += weight * c.mean;
-    second += weight * (c.covariance + c.mean * c.mean.transpose());
+  for (std::size_t i = 0; i < components.size(); ++i) mean += weights[i] * components[i].mean;
+  Eigen::MatrixXd covariance = least_sigma * least_sigma * Eigen::MatrixXd::Identity(count, count);
+  for (std::size_t i = 0; i < components.size(); ++i) {
+    const Eigen::VectorXd off = components[i].mean - mean;
+    covariance += cautious[i] * (components[i].covariance + off * off.transpose());
   }
-  mean /= total;
-  const Eigen::MatrixXd covariance = second / total - mean * mean.transpose() +
-                                     least_sigma * least_sigma * Eigen::MatrixXd::Identity(count, count);
   const Eigen::MatrixXd posterior = covariance.llt().solve(Eigen::MatrixXd::Identity(count, count));
   // A mixture of two minds may be less certain than the views alone: no prior does that.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(posterior - H);
