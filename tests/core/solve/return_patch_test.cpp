@@ -56,7 +56,8 @@ LidarSight sight_of(const Pose& pose, double sigma) {
     const bool dark = board().type->black(board(), place.head<2>());
     const double off = noise(rng) + 0.002 * (ring % 3) + (dark ? 0.004 : 0);
     auto& list = i % 3 ? sight.on_board : sight.around;
-    list.push_back({(origin + (1 + off / way.norm()) * way).cast<float>(), ring, height});
+    list.push_back(
+        {(origin + (1 + off / way.norm()) * way).cast<float>(), ring, BoardReturn::no_intensity, height});
   }
   sight.plane = board_plane(pose);
   return sight;
