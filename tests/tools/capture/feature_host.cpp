@@ -103,6 +103,7 @@ LidarSight FeatureHost::plate_sight(const SimulatedLidar& lidar, double time) {
     const double measured = measured_range(lidar, *range, reflectivity, rng_);
     points.push_back(hit.ray.origin + measured * hit.ray.direction);
     sight.on_board.push_back({points.back().cast<float>(), static_cast<std::uint16_t>(hit.ring),
+                              BoardReturn::no_intensity,
                               static_cast<float>(beam_height(lidar.beams, hit.ring))});
   }
   if (points.size() < 12) return {};
