@@ -73,6 +73,39 @@ void take_out_rings(Heights& all, float band) {
   }
 }
 
+/// Sums over any rectangle of the picture, by four of its corners.
+class HeightSums {
+ public:
+  explicit HeightSums(const Heights& all) : stride_(static_cast<std::size_t>(all.columns) + 1) {
+    sums_.assign(stride_ * (static_cast<std::size_t>(all.rows) + 1), {});
+    for (int row = 0; row < all.rows; ++row) {
+      Sum of_row;
+      for (int column = 0; column < all.columns; ++column) {
+        const float height = all.height[all.at(row, column)];
+        if (!std::isnan(height)) of_row = {of_row.height + height, of_row.count + 1};
+        const Sum& above = sums_[at(row, column + 1)];
+        sums_[at(row + 1, column + 1)] = {above.height + of_row.height, above.count + of_row.count};
+      }
+    }
+  }
+
+  struct Sum {
+    double height = 0, count = 0;
+  };
+  /// From the first row and column on, up to before the last ones.
+  Sum over(int first_row, int last_row, int first_column, int last_column) const {
+    const Sum &a = sums_[at(last_row, last_column)], &b = sums_[at(first_row, last_column)],
+              &c = sums_[at(last_row, first_column)], &d = sums_[at(first_row, first_column)];
+    return {a.height - b.height - c.height + d.height, a.count - b.count - c.count + d.count};
+  }
+
+ private:
+  std::size_t at(int row, int column) const { return static_cast<std::size_t>(row) * stride_ + column; }
+
+  std::size_t stride_;
+  std::vector<Sum> sums_;
+};
+
 }  // namespace
 
 std::vector<std::uint32_t> find_covered_returns(const Projection& projection, const RingImage& image,
@@ -91,20 +124,15 @@ std::vector<std::uint32_t> find_covered_returns(const Projection& projection, co
   const int rows = std::min(reach(image.row_angle[middle_row]), 4);
   const int columns = std::clamp(reach(image.column_angle), 1, 8);
   std::vector<char> covered(all.height.size(), 0);
-  const auto each_beside = [&](int row, int column, const auto& look) {
-    for (int r = std::max(0, row - rows); r <= std::min(all.rows - 1, row + rows); ++r) {
-      for (int c = std::max(0, column - columns); c <= std::min(all.columns - 1, column + columns); ++c)
-        look(all.at(r, c));
-    }
-  };
+  const HeightSums sums(all);
   for (int row = 0; row < all.rows; ++row) {
+    const int low = std::max(0, row - rows), high = std::min(all.rows, row + rows + 1);
     for (int column = 0; column < all.columns; ++column) {
-      double sum = 0, count = 0;
-      each_beside(row, column, [&](std::size_t i) {
-        if (!std::isnan(all.height[i])) sum += all.height[i], count += 1;
-      });
+      const int least = std::max(0, column - columns), most = std::min(all.columns, column + columns + 1);
+      const auto [sum, count] = sums.over(low, high, least, most);
       if (count < 2 || sum / count < least_height + least_sigmas * across / std::sqrt(count)) continue;
-      each_beside(row, column, [&](std::size_t i) { covered[i] = 1; });
+      for (int r = low; r < high; ++r)
+        std::fill(&covered[all.at(r, least)], &covered[all.at(r, least)] + (most - least), 1);
     }
   }
   std::vector<std::uint32_t> returns;

@@ -10,17 +10,19 @@
 namespace ca2 {
 namespace {
 
-/// Of the deviations' sigma: how probable it is for the mean, and how probable for the covariance.
-struct Factor {
-  double size, chance, cautious;
-};
-constexpr std::array<Factor, 7> factors{{{0, 0.5, 0.1},
-                                         {1. / 32, 0.02, 0.02},
-                                         {1. / 16, 0.02, 0.02},
-                                         {1. / 8, 0.02, 0.02},
-                                         {1. / 4, 0.02, 0.02},
-                                         {1. / 2, 0.02, 0.02},
-                                         {1, 0.4, 0.8}}};
+/// Of the deviations' sigma. The first one: given values are right; the last one: they are as far off as
+/// thought.
+constexpr std::array factors{0.0, 1. / 32, 1. / 16, 1. / 8, 1. / 4, 1. / 2, 1.0};
+/// Of each of the factors between.
+constexpr double chance_between = 0.02;
+/// That given values are right, for the covariance.
+constexpr double cautious_chance = 0.1;
+
+double log_chance(std::size_t factor, double right) {
+  const double between = chance_between * (factors.size() - 2);
+  return std::log(factor == 0 ? right : factor + 1 < factors.size() ? chance_between : 1 - right - between);
+}
+
 /// Nothing is known better than to this share of its `sigma`: keeps the mixture's covariance regular.
 constexpr double least_sigma = 1e-4;
 
@@ -53,12 +55,12 @@ std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eig
     Eigen::VectorXd size = Eigen::VectorXd::Ones(h.size());
     for (Eigen::Index i = 0; i < size.size(); ++i) {
       const int group = evidence.group[static_cast<std::size_t>(i)];
-      if (group >= 0) size(i) = factors[choice[static_cast<std::size_t>(group)]].size;
+      if (group >= 0) size(i) = factors[choice[static_cast<std::size_t>(group)]];
     }
     Component component = component_of(H, h, size);
-    for (const std::size_t c : choice) {
-      component.log_weight += std::log(factors[c].chance);
-      component.log_cautious += std::log(factors[c].cautious);
+    for (std::size_t group = 0; group < choice.size(); ++group) {
+      component.log_weight += log_chance(choice[group], evidence.right[group]);
+      component.log_cautious += log_chance(choice[group], cautious_chance);
     }
     list.push_back(std::move(component));
     more = false;

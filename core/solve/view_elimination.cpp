@@ -51,9 +51,13 @@ bool Elimination::eliminate(const ViewEquations& view, double damping) {
   Hvv.diagonal() +=
       damping * view.Hvv.diagonal() + Vector6d::Constant(1e-12 * view.Hvv.diagonal().maxCoeff());
   ldlt_.compute(Hvv);
-  if (ldlt_.info() != Eigen::Success) return false;
   rows_ = view.Hvg;
   right_ = view.gv;
+  if (ldlt_.info() != Eigen::Success) {
+    // Sums with such a view must say that they mean nothing.
+    inverse_.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return false;
+  }
   const auto& swaps = ldlt_.transpositionsP();
   const Matrix6d& L = ldlt_.matrixLDLT();
   for (Eigen::Index i = 0; i < 6; ++i) {

@@ -22,7 +22,8 @@ struct ViewEquations {
 /// One view with its board pose eliminated (Schur complement): Hvv = P'LDL'P.
 class Elimination {
  public:
-  /// `damping`: relative to the diagonal. False where Hvv cannot be factored.
+  /// `damping`: relative to the diagonal. False where Hvv cannot be factored; what it is subtracted from is
+  /// NaN then.
   bool eliminate(const ViewEquations& view, double damping);
   /// S -= Hgv Hvv^-1 Hvg, the lower triangle only; r -= Hgv Hvv^-1 gv.
   void subtract_from(Eigen::MatrixXd& S, Eigen::VectorXd& r) const;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <limits>
 #include <random>
 
 namespace ca2 {
@@ -155,6 +156,18 @@ TEST(JointProblem, EliminationGivesTheStepOfTheWholeSystem) {
   const Eigen::VectorXd s = scale.head(problem.globals());
   const Eigen::MatrixXd scaled = s.cwiseInverse().asDiagonal() * product * s.asDiagonal();
   EXPECT_LT((scaled - Eigen::MatrixXd::Identity(problem.globals(), problem.globals())).norm(), 1e-4);
+}
+
+TEST(JointProblem, ACornerThatIsNoNumberLeavesNothingDetermined) {
+  Example example;
+  example.input.stated = {true, true};
+  example.input.views[1].corners[0][3].covariance << -1, 0, 0, -1;
+  JointProblem problem(example.input);
+  problem.linearize(example.state);
+  EXPECT_FALSE(problem.step(0));
+  EXPECT_FALSE(problem.information().allFinite());
+  EXPECT_FALSE(problem.nuisance_evidence(example.state));
+  EXPECT_EQ(problem.lidar_place_sigma(), std::numeric_limits<double>::infinity());
 }
 
 TEST(JointProblem, MisfitTellsWhoDisagrees) {
