@@ -9,10 +9,11 @@ namespace {
 
 /// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
 constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
-/// That values of a group are exactly right. Given intrinsics at even odds: where they are, the answer gains
-/// a tenth, and where they are not, it loses nothing. No LiDAR's ranges are without a bias, and what the
-/// corners contradicted a thousand to one is not right: both are only allowed to be.
-constexpr double stated_right = 0.5, hardly_right = 0.1;
+/// That values of a group are exactly right. Given intrinsics at even odds: where they are, nothing gains
+/// more, and where they are not, nothing is lost. Few LiDARs' ranges are without a bias: believing it costs
+/// the planes of few views a little where it is not so. What the corners contradicted a thousand to one is
+/// hardly right.
+constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1;
 
 }  // namespace
 
@@ -61,7 +62,7 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
     add(stretch_index() - first + k, input_.prior_stretch, print_group);
   for (int l = 0; l < lidars_; ++l) add(bias_index(l) - first, input_.prior_bias, bias_group);
   if (index.empty()) return std::nullopt;
-  evidence.right = {stated_right, hardly_right, hardly_right, hardly_right};
+  evidence.right = {intrinsics_right, ranges_right, contradicted_right, contradicted_right};
   // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
   const auto count = static_cast<Eigen::Index>(index.size());
   const Eigen::Index others = globals_ - count;

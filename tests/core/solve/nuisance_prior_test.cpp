@@ -16,7 +16,7 @@ NuisanceEvidence measured(const Eigen::VectorXd& deviation, double precision) {
   evidence.index = {0, 1, 2, 3, 4};
   evidence.size = 5;
   evidence.group = {0, 0, 0, 0, 1};
-  evidence.right = {0.5, 0.1};
+  evidence.right = {0.5, 0.3};
   evidence.sigma = (Eigen::VectorXd(5) << 3.5, 3.5, 1, 1, 0.012).finished();
   evidence.H = (precision * evidence.sigma).cwiseAbs2().cwiseInverse().asDiagonal();
   evidence.h = evidence.H * evidence.sigma.cwiseProduct(deviation);

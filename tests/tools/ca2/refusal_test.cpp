@@ -59,7 +59,8 @@ TEST_F(Refusal, ACacheThatCannotBeWrittenDoesNotMatter) {
   EXPECT_TRUE(fs::exists(result()));
 }
 
-TEST_F(Refusal, TwoViewsAreNotEnoughAndAnEarlierResultIsSetAside) {
+TEST_F(Refusal, TwoViewsWithoutAnOutlineAreNotEnoughAndAnEarlierResultIsSetAside) {
+  edit_rig("  outline: {width: 0.84099999999999997, height: 0.59399999999999997, center: [0, 0]}\n", "");
   ASSERT_EQ(solve().status, 0);
   const std::string earlier = bytes_of(result());
   const Outcome run = solve({"--views", "1,2"});
@@ -139,10 +140,11 @@ TEST_F(Refusal, ReportsOfUnfinishedAndBrokenSessions) {
     EXPECT_NE(page().find("result.yaml"), std::string::npos);
   }
   fs::remove(result());
+  edit_rig("  outline: {width: 0.84099999999999997, height: 0.59399999999999997, center: [0, 0]}\n", "");
   for (int view = 3; view <= view_count; ++view) fs::remove_all(view_file(view, "").parent_path());
   EXPECT_EQ(run_ca2({"report", session}).status, 0);
   EXPECT_NE(page().find("views"), std::string::npos);
-  EXPECT_EQ(page().find("run `ca2 solve"), std::string::npos) << "two views determine nothing";
+  EXPECT_EQ(page().find("run `ca2 solve"), std::string::npos) << "two views of planes determine nothing";
   fs::remove_all(session / "views");
   EXPECT_EQ(run_ca2({"report", session}).status, 0);
   EXPECT_NE(page().find("There are no views yet"), std::string::npos);

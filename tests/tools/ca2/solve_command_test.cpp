@@ -127,15 +127,15 @@ TEST_F(SolveCommand, MethodsViewsAndOutputAreAsAsked) {
 
 TEST_F(SolveCommand, TheBestViewsAreNearlyAsGoodAsAll) {
   const fs::path best = folder / "best.yaml", all = folder / "all.yaml";
-  const Outcome run = solve({"--best", "5", "-o", best});
+  const Outcome run = solve({"--best", "6", "-o", best});
   ASSERT_EQ(run.status, 0) << run.errors;
   ASSERT_EQ(solve({"-o", all}).status, 0);
-  EXPECT_EQ(used_views(best).size(), 5u);
+  EXPECT_EQ(used_views(best).size(), 6u);
   const auto chosen = read_calibration(best), everything = read_calibration(all);
   ASSERT_TRUE(chosen && everything);
   EXPECT_EQ(chosen->views.size(), static_cast<std::size_t>(view_count));
   EXPECT_LE(chosen->transforms[0].sigma_translation(), 1.5 * everything->transforms[0].sigma_translation());
-  EXPECT_NE(run.output.find("not among the best 5"), std::string::npos);
+  EXPECT_NE(run.output.find("not among the best 6"), std::string::npos);
 }
 
 TEST_F(SolveCommand, TellsTheNextPoseUntilTheTargetIsReached) {
