@@ -39,6 +39,14 @@ int rounded_degrees(double angle) {
   return 5 * static_cast<int>(std::lround(angle * 180 / M_PI / 5));
 }
 
+/// The model says by how much the pose helps; how good the answer is now, the solver knows better. Two views
+/// are told apart by rims alone, which the model does not have: from there it says what planes will give.
+double expected_after(double sigma, double modelled_now, double modelled_after) {
+  constexpr double undetermined = 1;  // m, rad
+  return modelled_now < undetermined ? sigma * modelled_after / modelled_now
+                                     : std::min(sigma, modelled_after);
+}
+
 }  // namespace
 
 std::string pose_in_words(const Pose& T_camera_board) {
@@ -96,9 +104,9 @@ std::optional<NextPose> suggest_next_pose(const Rig& rig, const Calibration& cal
   next.words = pose_in_words(*best);
   next.camera = pair->transform.parent;
   next.T_camera_board = *best;
-  // The model says by how much the pose helps; how good the answer is now, the solver knows better.
-  next.sigma_translation = pair->transform.sigma_translation() * after.translation / now.translation;
-  next.sigma_rotation = pair->transform.sigma_rotation() * after.rotation / now.rotation;
+  next.sigma_translation =
+      expected_after(pair->transform.sigma_translation(), now.translation, after.translation);
+  next.sigma_rotation = expected_after(pair->transform.sigma_rotation(), now.rotation, after.rotation);
   return next;
 }
 

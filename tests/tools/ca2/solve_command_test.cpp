@@ -125,6 +125,18 @@ TEST_F(SolveCommand, MethodsViewsAndOutputAreAsAsked) {
   EXPECT_EQ(used_views(some), (std::vector<int>{1, 3, 4, 5}));
 }
 
+TEST_F(SolveCommand, TwoViewsOfARimAreAWeakAnswer) {
+  const fs::path two = folder / "two.yaml";
+  const Outcome run = solve({"--views", "1,2", "-o", two});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  EXPECT_LT(error_of(two).tail<3>().norm(), 0.03);
+  EXPECT_NE(run.output.find("verdict: weak"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("rests on the plate's rim"), std::string::npos) << run.output;
+  // Planes do not determine two views: what a third one gives is no share of that.
+  EXPECT_NE(run.output.find("next: "), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("expect 0.00 mm"), std::string::npos) << run.output;
+}
+
 TEST_F(SolveCommand, TheBestViewsAreNearlyAsGoodAsAll) {
   const fs::path best = folder / "best.yaml", all = folder / "all.yaml";
   const Outcome run = solve({"--best", "6", "-o", best});
