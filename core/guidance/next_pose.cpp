@@ -39,8 +39,9 @@ int rounded_degrees(double angle) {
   return 5 * static_cast<int>(std::lround(angle * 180 / M_PI / 5));
 }
 
-/// The model says by how much the pose helps; how good the answer is now, the solver knows better. Two views
-/// are told apart by rims alone, which the model does not have: from there it says what planes will give.
+/// The model says by how much the pose helps; how good the answer is now, the solver knows better. One or
+/// two views determine the answer by rims alone, which the model does not have: there it says what planes
+/// will give.
 double expected_after(double sigma, double modelled_now, double modelled_after) {
   constexpr double undetermined = 1;  // m, rad
   return modelled_now < undetermined ? sigma * modelled_after / modelled_now

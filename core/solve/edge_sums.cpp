@@ -13,10 +13,6 @@ namespace {
 
 /// Of the widest beams, rad.
 constexpr double half_beam = 0.003;
-/// A beam that lies half on the plate and half on what stands less than its pulse's length behind it (the
-/// person who holds it) returns a range between both, and whether that counts as the plate is a matter of the
-/// gap: such a rim seems to be up to half a beam's width off, either way. m.
-constexpr double least_jump = 0.5;
 /// The chance of what seems to have missed the plate not to have done so, after one ray or several next to it
 /// were lost. Between rings a whole ring would have to be. A ray that ended on the plate did so.
 constexpr double stray_share = 0.002;

@@ -63,6 +63,11 @@ struct EdgeSums {
   Eigen::Vector4d at(const Pose& T_lidar_board, const Dilation& dilation) const;
 };
 
+/// A beam that lies half on the plate and half on what stands less than its pulse's length behind it (the
+/// person who holds it) returns a range between both, and whether that counts as the plate is a matter of the
+/// gap: such a rim seems to be up to half a beam's width off, either way. m.
+inline constexpr double least_jump = 0.5;
+
 /// The sums of all sides that crossings were seen of, the plate being at about T_lidar_board. Covered
 /// crossings, those with something close behind and those near the plate's corners tell nothing; those
 /// further than `slack` [m] from where the plate should end are of something else.

@@ -9,10 +9,10 @@ namespace {
 
 /// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
 constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
-/// That values of a group are exactly right. Given intrinsics at even odds: where they are, nothing gains
-/// more, and where they are not, nothing is lost. Few LiDARs' ranges are without a bias: believing it costs
-/// the planes of few views a little where it is not so. What the corners contradicted a thousand to one is
-/// hardly right.
+/// That values of a group are exactly right. Given intrinsics at even odds: where they are, few views gain,
+/// and where they are not, nothing is lost. Few LiDARs' ranges are without a bias: believing it costs the
+/// planes of few views a little where it is not so. What the corners contradicted a thousand to one is hardly
+/// right.
 constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1;
 
 }  // namespace

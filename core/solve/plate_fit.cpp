@@ -29,8 +29,6 @@ constexpr double near_rim = 0.006, near_rim_share = 0.003;
 constexpr std::size_t least_sides = 3;
 /// The returns of a patch may be off together by so much, m.
 constexpr double range_doubt = 0.012;
-/// With something less far behind it a crossing tells nothing, m: as `edge_sums` has it.
-constexpr double least_jump = 0.5;
 
 /// Axes in a plane, about a point of it.
 struct Sheet {

@@ -134,13 +134,16 @@ double patch_misfit(const RimSeedRequest& ask, const SeenBoard& board, const Pat
                     const Answer& answer) {
   using Vector5d = Eigen::Matrix<double, 5, 1>;
   const Plane plane = facing_origin(patch.plane);
+  // Perpendicular to where it should be, or seen from behind.
+  const Pose T = answer.T_ref_lidar.inverse() * board.T_ref_board;
+  if (plane.normal.dot(T.R.col(2)) > -0.5) return std::numeric_limits<double>::infinity();
   const Eigen::Vector2d middle = ask.board.extent().center;
   const auto error = [&](const Pose& T_ref_lidar) {
-    const Pose T = T_ref_lidar.inverse() * board.T_ref_board;
-    const Eigen::Vector3d centre = T * Eigen::Vector3d(middle.x(), middle.y(), 0);
+    const Pose there = T_ref_lidar.inverse() * board.T_ref_board;
+    const Eigen::Vector3d centre = there * Eigen::Vector3d(middle.x(), middle.y(), 0);
     Vector5d e;
-    e << plane.normal.dot(T.R.col(0)), plane.normal.dot(T.R.col(1)), plane.distance(centre),
-        T.R.leftCols<2>().transpose() * (patch.center - centre);
+    e << plane.normal.dot(there.R.col(0)), plane.normal.dot(there.R.col(1)), plane.distance(centre),
+        there.R.leftCols<2>().transpose() * (patch.center - centre);
     return e;
   };
   const Vector5d e = error(answer.T_ref_lidar);
@@ -153,9 +156,6 @@ double patch_misfit(const RimSeedRequest& ask, const SeenBoard& board, const Pat
   const double centre2 = std::pow(0.25 * std::max(ask.board.extent().width, ask.board.extent().height), 2);
   Eigen::Matrix<double, 5, 5> covariance = J * answer.covariance * J.transpose();
   covariance.diagonal() += (Vector5d() << angle2, angle2, place2, centre2, centre2).finished();
-  // Perpendicular to where it should be, or seen from behind.
-  const Pose T = answer.T_ref_lidar.inverse() * board.T_ref_board;
-  if (plane.normal.dot(T.R.col(2)) > -0.5) return std::numeric_limits<double>::infinity();
   return e.dot(covariance.ldlt().solve(e));
 }
 

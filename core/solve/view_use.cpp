@@ -23,16 +23,12 @@ std::size_t candidate_views(const std::vector<ViewSights>& views, std::size_t li
 }
 
 std::string few_views_note(std::size_t views) {
-  if (views == 1) {
+  if (views == 1)
     return "one view: the answer rests on the plate's rim and on the print's place on it as the rig has "
-           "them, "
-           "and nothing checks either; show the board twice more, in other places, turned and tipped by 20 "
-           "to "
-           "40 deg another way each time";
-  }
+           "them, and nothing checks either; show the board twice more, in other places, turned and tipped "
+           "by 20 to 40 deg another way each time";
   return "two views: they agree, but the answer rests on the plate's rim as the rig has it; show the board "
-         "once "
-         "or twice more, in another place, turned and tipped by 20 to 40 deg another way";
+         "once or twice more, in another place, turned and tipped by 20 to 40 deg another way";
 }
 
 }  // namespace ca2
