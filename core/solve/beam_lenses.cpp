@@ -24,6 +24,22 @@ std::vector<ViewSights> seen_through(std::vector<ViewSights> views, const std::v
 }
 constexpr std::size_t none = static_cast<std::size_t>(-1);
 
+/// The radius to ask for; 0: nothing to ask. What a rig calls a LiDAR is what it is.
+double lens_to_ask_for(const RigLidar& lidar, const std::vector<ViewSights>& views, std::size_t l) {
+  if (!lidar.model.empty()) return beam_lens_radius(lidar.model);
+  if (!lidar.metadata.empty()) return 0;  // an Ouster
+  std::vector<float> elevations;
+  for (const ViewSights& view : views) {
+    for (const LidarSight& sight : view.lidars[l]) {
+      for (const auto* returns : {&sight.on_board, &sight.around}) {
+        for (const BoardReturn& one : *returns)
+          elevations.push_back(std::atan2(one.point.z(), one.point.head<2>().norm()));
+      }
+    }
+  }
+  return beam_lens_radius(elevations);
+}
+
 /// Widens the covariance by where LiDAR `l` is with probability `chance`.
 void admit(JointAnswer& answer, const JointAnswer& other, std::size_t l, double chance) {
   if (!answer.covariance.allFinite()) return;
@@ -41,7 +57,8 @@ bool LensVerdict::decided() const {
 LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& cameras,
                                const std::vector<ViewSights>& views, const RigSeed& seed,
                                JointOptions options) {
-  for (const auto& [name, lidar] : rig.lidars) options.lens_radius.push_back(beam_lens_radius(lidar.model));
+  for (const auto& [name, lidar] : rig.lidars)
+    options.lens_radius.push_back(lens_to_ask_for(lidar, views, options.lens_radius.size()));
   const std::size_t count = rig.lidars.size();
   // An answer that was stopped means nothing and may be empty: nothing is read from it.
   const auto stopped = [stop = options.stop] { return stop.stop_requested(); };

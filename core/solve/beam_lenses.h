@@ -26,10 +26,11 @@ struct LensedAnswer {
   std::vector<LensVerdict> lenses;  ///< by LiDAR; radius 0: there was nothing to ask
 };
 
-/// solve_joint with the points that the views make more probable, where a model's manual speaks of a lens and
-/// the points leave it out: as stated, or of beams that begin in it. The same points of a plane lie on no
-/// plane, or on another one, when they were computed with the wrong beams: four views tell as a rule. Where
-/// they do not, the covariance has what the answer would move by.
+/// solve_joint with the points that the views make more probable, where a model's manual speaks of a lens
+/// (the rig names it, or names none and the beams are that model's) and the points leave it out: as stated,
+/// or of beams that begin in it. The same points of a plane lie on no plane, or on another one, when they
+/// were computed with the wrong beams: four views tell as a rule. Where they do not, the covariance has what
+/// the answer would move by.
 LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& cameras,
                                const std::vector<ViewSights>& views, const RigSeed& seed,
                                JointOptions options);

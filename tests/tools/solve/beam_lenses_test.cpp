@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <stop_token>
+#include <utility>
 
 #include "core/lidar/beam_lens.h"
 #include "tests/tools/solve/trials.h"
@@ -15,17 +16,24 @@ constexpr int trials = 20;
 constexpr const char* beyond_doubt = "it was taken into account";
 constexpr const char* doubtful = "these views do not tell whether the beams";
 
+/// The LiDAR with beams that begin in the lens.
+Scenario with_lens(Scenario scenario) {
+  for (BeamRay& ray : scenario.lidars.at("puck").beams.rays) {
+    ray.origin.z() -= beam_lens_radius("VLP-16") * ray.direction.z() / ray.direction.head<2>().norm();
+  }
+  return scenario;
+}
+
 /// The points of these returns as a driver makes them that takes beams of the lens for beams of the axis.
-std::vector<ViewSights> leaving_lens_out(const std::vector<ViewSights>& views) {
-  std::vector<ViewSights> left_out = through_lens(views, 0, -beam_lens_radius("VLP-16"));
-  for (ViewSights& view : left_out) {
+std::vector<ViewSights> leaving_lens_out(std::vector<ViewSights> views) {
+  for (ViewSights& view : views) {
     for (LidarSight& sight : view.lidars[0]) {
       for (auto* returns : {&sight.on_board, &sight.around}) {
-        for (BoardReturn& one : *returns) one.height = 0;
+        for (BoardReturn& one : *returns) one.point.z() -= std::exchange(one.height, 0.0f);
       }
     }
   }
-  return left_out;
+  return views;
 }
 
 struct Tally {
@@ -56,11 +64,12 @@ class BeamLenses : public testing::Test {
   }
 
   /// Without the plate's outline: planes alone.
-  Tally run(int views, bool left_out) const {
+  Tally run(int views, bool left_out, const char* model = "VLP-16") const {
     Rig rig = rig_of(file.scenario);
     rig.board.outline.reset();
-    rig.lidars.at("puck").model = "VLP-16";
-    const std::vector<SimulatedView> pool = pool_of(file.scenario, 60);
+    rig.lidars.at("puck").model = model;
+    rig.lidars.at("puck").metadata.clear();
+    const std::vector<SimulatedView> pool = pool_of(left_out ? with_lens(file.scenario) : file.scenario, 60);
     std::mt19937_64 rng(12);
     Tally tally;
     for (int trial = 0; trial < trials; ++trial) {
@@ -89,6 +98,20 @@ TEST_F(BeamLenses, TenViewsTellThatThereIsNone) {
   EXPECT_EQ(found.taken, 0);
   EXPECT_EQ(found.doubts, 0);
   EXPECT_LT(found.mean_nees(), 1.5);
+}
+
+TEST_F(BeamLenses, ALidarWithoutANameIsAskedToo) {
+  const Tally left_out = run(10, true, ""), without = run(10, false, "");
+  EXPECT_EQ(left_out.taken, trials);
+  EXPECT_LT(left_out.mean_nees(), 1.5);
+  EXPECT_EQ(without.taken, 0);
+  EXPECT_EQ(without.doubts, 0);
+}
+
+TEST_F(BeamLenses, AnotherModelsNameIsBelieved) {
+  const Tally found = run(10, true, "Puck-Hi-Res");
+  EXPECT_EQ(found.taken, 0);
+  EXPECT_EQ(found.doubts, 0);
 }
 
 TEST_F(BeamLenses, ThreeViewsDoNotAndTheCovarianceHasBoth) {
@@ -131,7 +154,7 @@ TEST_F(BeamLenses, AnAnswerThatWasStoppedIsNotRead) {
   rig.board.outline.reset();
   rig.lidars.at("puck").model = "VLP-16";
   std::mt19937_64 rng(12);
-  const auto sights = sights_of(rig, draw_subset(pool_of(file.scenario, 60), 4, rng));
+  const auto sights = sights_of(rig, draw_subset(pool_of(with_lens(file.scenario), 60), 4, rng));
   ASSERT_TRUE(sights);
   const std::vector<ViewSights> views = leaving_lens_out(*sights);
   const auto seed = seed_rig(rig.board, views, {"blackfly"}, {"puck"}, {});
