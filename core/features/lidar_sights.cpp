@@ -47,7 +47,8 @@ void gather_around(const Scan& scan, const BoardCandidate& candidate, const Boar
     const Eigen::Vector3f& p = scan.points[i];
     BoardReturn here{p};
     if (!scan.ring.empty()) here.ring = scan.ring[i];
-    if (here.ring < candidate.beam_height.size()) here.height = candidate.beam_height[here.ring];
+    const std::size_t beam = candidate.found_ring ? (*candidate.found_ring)[i] : here.ring;
+    if (beam < candidate.beam_height.size()) here.height = candidate.beam_height[beam];
     const bool beside =
         !on_board[i] && !covered[i] && p.dot(axis) > static_cast<float>(cosine) * p.norm();  // not for NaN
     if (!on_board[i] && !beside) continue;

@@ -120,7 +120,7 @@ double Projection::column_angle() const {
 }
 
 Projection project_by_id(const Scan& scan, Projection spare) {
-  const RingIds rings = find_rings(scan);
+  RingIds rings = find_rings(scan);
   const ColumnIds columns = find_columns(scan, rings);
   Projection out = std::move(spare);
   out.rings = rings.rings;
@@ -128,6 +128,7 @@ Projection project_by_id(const Scan& scan, Projection spare) {
   out.beams = rings.beams;
   if (!fill_one_per_cell(scan, rings, columns, out)) fill_many_per_cell(scan, rings, columns, out);
   fit_cones(scan, out);
+  out.found_ring = std::move(rings.found);
   return out;
 }
 

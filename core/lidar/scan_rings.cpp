@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/lidar/beam_circle.h"
 #include "core/lidar/scan_grid.h"
 #include "core/types/hot_loop.h"
 
@@ -28,8 +29,8 @@ RingIds given_rings(const Scan& scan) {
 
 /// Beams leave empty elevations between them: groups of filled bins, parted by
 /// empty ones, are rings. Returns the ring of each bin, or nothing when the
-/// elevations run into each other (beams that start away from the origin are
-/// seen under an elevation that changes with range).
+/// elevations run into each other (beams that start elsewhere are seen under an
+/// elevation that changes with range).
 std::vector<int> cluster_bins(const std::vector<int>& histogram, int returns) {
   std::vector<int> ring_of_bin(histogram.size(), -1);
   const int stray = std::max(1, returns / 20000);  // moved by noise of near points
@@ -106,6 +107,50 @@ int slice_count(std::size_t returns, float field) {
   return std::clamp(static_cast<int>(field / std::sqrt(2 * cell)), 8, 256);
 }
 
+/// Elevations of the returns by bins.
+class Elevations {
+ public:
+  Elevations(const Scan& scan, const std::vector<std::uint16_t>& place, BeamCircle from)
+      : values_(scan.size(), 0) {
+    float high = -2;
+    low_ = 2;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      if (place[i] == RingIds::none) continue;
+      values_[i] = from.elevation(scan.points[i]);
+      low_ = std::min(low_, values_[i]);
+      high = std::max(high, values_[i]);
+    }
+    field_ = high - low_;
+  }
+  /// In units of `size` [rad] from the lowest one.
+  std::size_t bin(std::size_t i, float size) const {
+    return static_cast<std::size_t>((values_[i] - low_) / size);
+  }
+  float field() const { return field_; }
+
+ private:
+  std::vector<float> values_;
+  float low_ = 0, field_ = 0;
+};
+
+/// Rings as the beams that begin there leave them; false: they do not.
+bool rings_by_elevation(const Elevations& elevations, int returns, RingIds& ids) {
+  std::vector<int> histogram(static_cast<std::size_t>(elevations.field() / kBin) + 1, 0);
+  for (std::size_t i = 0; i < ids.found.size(); ++i) {
+    if (ids.found[i] != RingIds::none) ++histogram[elevations.bin(i, kBin)];
+  }
+  const std::vector<int> ring_of_bin = cluster_bins(histogram, returns);
+  if (ring_of_bin.empty()) return false;
+  ids.beams = true;
+  ids.rings = *std::max_element(ring_of_bin.begin(), ring_of_bin.end()) + 1;
+  for (std::size_t i = 0; i < ids.found.size(); ++i) {
+    if (ids.found[i] == RingIds::none) continue;
+    const int ring = ring_of_bin[elevations.bin(i, kBin)];
+    ids.found[i] = ring < 0 ? RingIds::none : static_cast<std::uint16_t>(ring);
+  }
+  return true;
+}
+
 }  // namespace
 
 RingIds find_rings(const Scan& scan) {
@@ -113,39 +158,22 @@ RingIds find_rings(const Scan& scan) {
   if (ids.beams) return ids;
   ids.found.assign(scan.size(), RingIds::none);
   if (rings_by_index(scan, ids)) return ids;
-  std::vector<float> elevation(scan.size(), 0);
-  float low = 2, high = -2;
   int returns = 0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3f& p = scan.points[i];
-    if (!is_return(p)) continue;
-    elevation[i] = std::atan2(p.z(), std::hypot(p.x(), p.y()));
-    low = std::min(low, elevation[i]);
-    high = std::max(high, elevation[i]);
+    if (!is_return(scan.points[i])) continue;
     ids.found[i] = 0;
     ++returns;
   }
   if (returns == 0) return ids;
-  std::vector<int> histogram(static_cast<std::size_t>((high - low) / kBin) + 1, 0);
-  const auto bin = [&](std::size_t i) { return static_cast<std::size_t>((elevation[i] - low) / kBin); };
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (ids.found[i] != RingIds::none) ++histogram[bin(i)];
+  const Elevations from_origin(scan, ids.found, {});
+  if (rings_by_elevation(from_origin, returns, ids)) return ids;
+  if (const auto circle = find_beam_circle(scan.points)) {
+    if (rings_by_elevation({scan, ids.found, *circle}, returns, ids)) return ids;
   }
-  if (const std::vector<int> ring_of_bin = cluster_bins(histogram, returns); !ring_of_bin.empty()) {
-    ids.beams = true;
-    ids.rings = *std::max_element(ring_of_bin.begin(), ring_of_bin.end()) + 1;
-    for (std::size_t i = 0; i < scan.size(); ++i) {
-      if (ids.found[i] == RingIds::none) continue;
-      const int ring = ring_of_bin[bin(i)];
-      ids.found[i] = ring < 0 ? RingIds::none : static_cast<std::uint16_t>(ring);
-    }
-    return ids;
-  }
-  ids.rings = slice_count(static_cast<std::size_t>(returns), high - low);
-  const float slice = (high - low) / static_cast<float>(ids.rings) * 1.0001f + 1e-9f;
+  ids.rings = slice_count(static_cast<std::size_t>(returns), from_origin.field());
+  const float slice = from_origin.field() / static_cast<float>(ids.rings) * 1.0001f + 1e-9f;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    if (ids.found[i] != RingIds::none)
-      ids.found[i] = static_cast<std::uint16_t>((elevation[i] - low) / slice);
+    if (ids.found[i] != RingIds::none) ids.found[i] = static_cast<std::uint16_t>(from_origin.bin(i, slice));
   }
   return ids;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "tests/support/lidar_scene.h"
 
@@ -86,6 +87,29 @@ TEST(Projection, rings_of_unorganised_points_are_found_by_elevation) {
   for (int ring = 0; ring < 16; ++ring) {
     for (int column = 0; column < projection.columns; ++column) {
       for (const std::uint32_t i : projection.cell(ring, column)) ASSERT_EQ(truth[i], ring);
+    }
+  }
+}
+
+/// Points alone, in an order that says nothing, of those that came back: what is left is that all beams begin
+/// on one circle.
+TEST(Projection, rings_are_found_of_beams_that_begin_on_a_circle_about_the_axis) {
+  const SceneSensor sensor = SceneSensor::os0_128();
+  for (const std::uint64_t seed : {4u, 5u, 6u}) {
+    Scan scan = make_scene(sensor, {0.42, 0.297, 0.5, 1.3, 0.5, true}, ScanForm::shuffled, seed).scan;
+    const std::vector<std::uint16_t> truth = std::exchange(scan.ring, {});
+    scan.column.clear();
+    scan.rings = scan.columns = 0;
+    const Projection projection = project_by_id(scan);
+    ASSERT_TRUE(projection.beams);
+    ASSERT_EQ(projection.rings, 128);
+    ASSERT_EQ(projection.found_ring.size(), scan.size());
+    std::size_t right = 0;
+    for (std::size_t i = 0; i < scan.size(); ++i) right += projection.found_ring[i] == 127 - truth[i];
+    EXPECT_GT(right, 0.99 * static_cast<double>(good_returns(scan)));
+    for (std::size_t ring = 0; ring < 128; ++ring) {
+      const double slope = std::tan(sensor.elevation[127 - ring]);
+      EXPECT_NEAR(projection.height[ring], sensor.lift[ring] - sensor.radius * slope, 2e-3) << ring;
     }
   }
 }
