@@ -14,7 +14,7 @@ namespace {
 
 // Rays looked at: most pieces are dismissed at the first look; the second finds
 // the rim to a few millimetres.
-constexpr std::size_t kFirstLook = 300, kSecondLook = 2000, kAllRays = SIZE_MAX;
+constexpr std::size_t kFirstLook = 300, kSecondLook = 2000;
 
 /// The mean of the region's points, and then of those within `reach` of it:
 /// arms and other leads pull less.
@@ -100,15 +100,12 @@ bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t
   return false;
 }
 
-/// All returns whose ray meets the plane inside the rectangle, a margin from
-/// its rim, and that lie within `band` of it (m, along the normal, the same to
-/// both sides); of about `most` rays.
+/// Of all rays, those that meet the plane inside the rectangle, a margin from its rim: their returns within
+/// `band` of it (m, along the normal, the same to both sides, as the rays were viewed with).
 std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Placed& placed, double margin,
-                                          double band, std::size_t most) {
+                                          double band) {
   std::vector<std::uint32_t> list;
-  const double radius =
-      std::hypot(context.width, context.height) / 2 + std::hypot(placed.rectangle.u, placed.rectangle.v);
-  for (const PatchRay& ray : view_patch(context.image, placed.frame, radius, band, most)) {
+  for (const PatchRay& ray : placed.rays) {
     int side = 0;
     if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
     if (beside_other(context, placed.frame.plane, ray.cell, band)) continue;
@@ -141,6 +138,14 @@ std::string explain(const Evidence& evidence, const BoardCandidate& candidate) {
   return text;
 }
 
+/// The same rectangle with all rays within `radius` (m) of its centre.
+Placed with_all_rays(const PatchContext& context, const Placed& placed, double radius, double band) {
+  Placed all{PatchFrame(placed.frame.plane, centre_of(placed)), {}, placed.rectangle};
+  all.rectangle.u = all.rectangle.v = 0;
+  all.rays = view_patch(context.image, all.frame, radius, band, SIZE_MAX);
+  return all;
+}
+
 }  // namespace
 
 std::optional<FirstLook> look_at_region(const PatchContext& context, const PlanarRegion& region) {
@@ -169,26 +174,29 @@ std::optional<FirstLook> look_at_region(const PatchContext& context, const Plana
 std::optional<BoardCandidate> judge_look(const PatchContext& context, const FirstLook& look) {
   // The plane of the board's own returns, and its own noise.
   const double first_band = std::clamp(3.5 * context.noise, 0.02, 0.08);
-  const std::vector<Eigen::Vector3d> points =
-      points_of(context.scan, returns_inside(context, look.placed, look.margin, first_band, kAllRays));
+  const double diagonal = std::hypot(context.width, context.height);
+  const std::vector<Eigen::Vector3d> points = points_of(
+      context.scan, returns_inside(context, with_all_rays(context, look.placed, 0.5 * diagonal, first_band),
+                                   look.margin, first_band));
   if (points.size() < 6) return std::nullopt;
   const auto near_plane = [](const RangeFit& fit, const Eigen::Vector3d& at) {
     return std::clamp(4 * fit.sigma * std::abs(fit.plane.normal.dot(at.normalized())), 0.015, 0.09);
   };
   RangeFit fit = fit_ranges(points, look.placed.frame.plane);
   const double band = near_plane(fit, centre_of(look.placed));
-  const Placed placed = place_rectangle(context, fit.plane, centre_of(look.placed),
-                                        {0.8 * std::hypot(context.width, context.height), band, kSecondLook});
+  const Placed placed =
+      place_rectangle(context, fit.plane, centre_of(look.placed), {0.8 * diagonal, band, kSecondLook});
+  const Evidence evidence = weigh(context, placed, look.margin);
+  if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;
+  const Placed all = with_all_rays(context, placed, covered_reach(context.width, context.height), band);
   BoardCandidate candidate;
   candidate.covered = find_covered_returns(context.projection, context.image, fit.plane, centre_of(placed),
-                                           0.8 * std::hypot(context.width, context.height), fit.sigma);
-  for (const std::uint32_t i : returns_inside(context, placed, look.margin, band, kAllRays)) {
+                                           all.rays, fit.sigma);
+  for (const std::uint32_t i : returns_inside(context, all, look.margin, band)) {
     if (!std::binary_search(candidate.covered.begin(), candidate.covered.end(), i))
       candidate.returns.push_back(i);
   }
   if (candidate.returns.size() < 8) return std::nullopt;
-  const Evidence evidence = weigh(context, placed, look.margin);
-  if (evidence.rows < 2 || evidence.fill < 0.5 || evidence.free < 0.3) return std::nullopt;
   fit = fit_ranges(points_of(context.scan, candidate.returns), placed.frame.plane);
   candidate.plane = fit.plane;
   candidate.rms = fit.rms;

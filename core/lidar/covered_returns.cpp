@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "core/lidar/patch_view.h"
-
 namespace ca2 {
 namespace {
 
@@ -32,7 +30,7 @@ struct Heights {
   std::size_t at(int row, int column) const { return static_cast<std::size_t>(row) * columns + column; }
 };
 
-Heights heights_of(const RingImage& image, const std::vector<PatchRay>& rays) {
+Heights heights_of(const RingImage& image, std::span<const PatchRay> rays, float band) {
   int low = image.rows, high = -1, least = 0, most = 0;
   const int origin = image.column(rays.front().cell);
   const auto place = [&](std::uint32_t cell) {
@@ -51,7 +49,7 @@ Heights heights_of(const RingImage& image, const std::vector<PatchRay>& rays) {
   for (const PatchRay& ray : rays) {
     const std::size_t i = all.at(image.row(ray.cell) - low, place(ray.cell) - least);
     all.cell[i] = ray.cell;
-    if (ray.end == RayEnd::on || ray.end == RayEnd::front)
+    if (ray.end != RayEnd::absent && ray.distance >= -band)
       all.height[i] = std::min(ray.distance, most_height);
   }
   return all;
@@ -108,16 +106,18 @@ class HeightSums {
 
 }  // namespace
 
+double covered_reach(double width, double height) {
+  return 0.8 * std::hypot(width, height);
+}
+
 std::vector<std::uint32_t> find_covered_returns(const Projection& projection, const RingImage& image,
                                                 const Plane& plane, const Eigen::Vector3d& centre,
-                                                double radius, double sigma) {
-  const PatchFrame frame(plane, centre);
+                                                std::span<const PatchRay> rays, double sigma) {
   const double across = sigma * std::abs(plane.normal.dot(centre.normalized()));  // the noise, off the plane
-  const double band = std::max(0.02, 4 * across);
-  const std::vector<PatchRay> rays = view_patch(image, frame, radius, band, SIZE_MAX);
+  const auto band = static_cast<float>(std::max(0.02, 4 * across));
   if (rays.empty()) return {};
-  Heights all = heights_of(image, rays);
-  take_out_rings(all, static_cast<float>(band));
+  Heights all = heights_of(image, rays, band);
+  take_out_rings(all, band);
   const double distance = centre.norm();
   const auto reach = [&](double gap) { return static_cast<int>(half_window / (distance * gap) + 0.5); };
   const auto middle_row = static_cast<std::size_t>(image.row(rays[rays.size() / 2].cell));

@@ -127,7 +127,8 @@ class RimFinder {
     const int half = std::min(static_cast<int>(std::asin(radius_ / distance_) * columns_per_rad) + 2,
                               projection_.columns / 2 - 1);
     const int middle = static_cast<int>((std::numbers::pi - azimuth_) * columns_per_rad);
-    for (int k = -half; k <= half; ++k) {
+    // Columns rise clockwise.
+    for (int k = half; k >= -half; --k) {
       const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
       for (const std::uint32_t i : projection_.cell(ring, column)) {
         auto sample = look(scan_.points[i], height);

@@ -109,7 +109,6 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
     (rows < image.column_angle * static_cast<float>(column_step) ? row_step : column_step) *= 2;
   }
   if (low <= high) rays.reserve(count() + 1);
-  const int ahead = 12 * column_step;
   RayLanes lanes(2 * static_cast<std::size_t>(half) + 1);
   std::vector<std::uint32_t> cells(2 * static_cast<std::size_t>(half) + 1);
   for (int row = low; row <= high; row += row_step) {
@@ -121,9 +120,6 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
     for (int k = -half; k <= half; k += column_step, column = image.wrap(column + column_step)) {
       if (!image.in_view[static_cast<std::size_t>(column)]) continue;
       const std::size_t i = first + static_cast<std::size_t>(column);
-      // A scan's points lie column by column, each in another line of the cache.
-      if (column + ahead < image.columns && image.range[i + ahead] != 0)
-        __builtin_prefetch(&image.point(i + ahead));
       const bool absent = image.range[i] == 0;
       // Some point of the ray's cone, at the column's azimuth where nothing
       // came back.

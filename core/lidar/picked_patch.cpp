@@ -134,8 +134,10 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   candidate.T_lidar_board = pose_of(
       place_rectangle(context, fit.plane, centre, {0.95 * std::hypot(extent.width, extent.height), band}),
       fit.plane);
-  candidate.covered = find_covered_returns(projection, image, fit.plane, candidate.T_lidar_board.t,
-                                           0.8 * std::hypot(extent.width, extent.height), fit.sigma);
+  const Eigen::Vector3d& board_centre = candidate.T_lidar_board.t;
+  const std::vector<PatchRay> rays = view_patch(image, {fit.plane, board_centre},
+                                                covered_reach(extent.width, extent.height), band, SIZE_MAX);
+  candidate.covered = find_covered_returns(projection, image, fit.plane, board_centre, rays, fit.sigma);
   if (board.outline) {
     candidate.crossings = find_edge_crossings(
         scan, projection,

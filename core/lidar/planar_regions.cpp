@@ -227,8 +227,6 @@ class RegionGrower {
     if (image_.range[i] == 0 || memory_.stamps[i] == memory_.stamp) return;
     memory_.stamps[i] = memory_.stamp;
     memory_.queue.push_back({row, column});
-    // The scan's points lie column by column, each in another line of the cache.
-    __builtin_prefetch(&image_.point(i));
   }
 
   const RingImage& image_;

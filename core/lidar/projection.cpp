@@ -26,11 +26,16 @@ void fit_cones(const Scan& scan, Projection& out) {
     for (int step = std::max(1, out.columns / 192); step > 0 && n<24; step = step> 1 ? 1 : 0) {
       n = sum_r = sum_rr = sum_z = sum_rz = sum_zz = 0;
       for (int column = 0; column < out.columns; column += step) {
-        for (const std::uint32_t i : out.cell(ring, column)) {
-          const Eigen::Vector3f& p = scan.points[i];
+        const auto add = [&](const Eigen::Vector3f& p) {
           const double r = std::sqrt(p.x() * p.x() + p.y() * p.y());
           n += 1, sum_r += r, sum_rr += r * r, sum_z += p.z(), sum_rz += r * p.z();
           sum_zz += double{p.z()} * p.z();
+        };
+        const std::size_t cell = out.index(ring, column);
+        if (!out.one_per_cell()) {
+          for (const std::uint32_t i : out.cell(cell)) add(scan.points[i]);
+        } else if (out.range[cell] != 0) {
+          add(out.point[cell]);
         }
       }
     }
@@ -52,10 +57,18 @@ void fit_cones(const Scan& scan, Projection& out) {
   });
 }
 
+/// Scans come column by column, and so are written one cell in every ring. Rings a power of two apart would
+/// all fall into the same few lines of a cache; an odd number of its lines apart they fall into all of them.
+int stride_of(int columns) {
+  constexpr int in_line = 64 / sizeof(float);
+  return ((columns + in_line - 1) / in_line | 1) * in_line;
+}
+
 /// Every return that has a place, with its cell and range (m), to `take`, until
 /// that says false.
 template <class Take>
-bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Take take) {
+bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& columns, int stride,
+                     Take take) {
   // Plain pointers, as the compiler must not think that `take` moves the
   // arrays.
   const std::uint16_t* const ring = rings.of(scan).data();
@@ -71,7 +84,7 @@ bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& co
     if (backwards && id > 0) id = count - id;
     id += shift[ring[i]];
     if (id >= count) id -= count;
-    const std::size_t cell = static_cast<std::size_t>(ring[i]) * count + id;
+    const std::size_t cell = static_cast<std::size_t>(ring[i]) * stride + id;
     if (!take(static_cast<std::uint32_t>(i), cell, std::sqrt(square))) return false;
   }
   return true;
@@ -80,26 +93,32 @@ bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& co
 /// One sweep of most sensors: a place for every cell. False when some cell has
 /// two returns.
 bool fill_one_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
-  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.columns;
+  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.stride;
   out.first.clear();
   out.returns.assign(cells, Projection::none);
   out.range.assign(cells, 0.0f);
   std::uint32_t* const returns = out.returns.data();
   float* const ranges = out.range.data();
-  return for_each_return(scan, rings, columns, [=](std::uint32_t i, std::size_t cell, float range) {
-    if (returns[cell] != Projection::none) return false;
-    returns[cell] = i;
-    ranges[cell] = range;
-    return true;
-  });
+  out.point.resize(cells);
+  Eigen::Vector3f* const points = out.point.data();
+  const Eigen::Vector3f* const from = scan.points.data();
+  return for_each_return(scan, rings, columns, out.stride,
+                         [=](std::uint32_t i, std::size_t cell, float range) {
+                           if (ranges[cell] != 0) return false;
+                           returns[cell] = i;
+                           points[cell] = from[i];
+                           ranges[cell] = range;
+                           return true;
+                         });
 }
 
 /// Counting sort by cell; the scan's order is kept within a cell.
 void fill_many_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
-  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.columns;
+  const std::size_t cells = static_cast<std::size_t>(out.rings) * out.stride;
+  out.point.clear();
   out.first.assign(cells + 1, 0);
   out.range.assign(cells, 0.0f);
-  for_each_return(scan, rings, columns, [&](std::uint32_t, std::size_t cell, float range) {
+  for_each_return(scan, rings, columns, out.stride, [&](std::uint32_t, std::size_t cell, float range) {
     ++out.first[cell + 1];
     if (out.range[cell] == 0 || range < out.range[cell]) out.range[cell] = range;
     return true;
@@ -107,7 +126,7 @@ void fill_many_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds&
   for (std::size_t i = 1; i < out.first.size(); ++i) out.first[i] += out.first[i - 1];
   out.returns.resize(out.first.back());
   std::vector<std::uint32_t> next(out.first.begin(), out.first.end() - 1);
-  for_each_return(scan, rings, columns, [&](std::uint32_t i, std::size_t cell, float) {
+  for_each_return(scan, rings, columns, out.stride, [&](std::uint32_t i, std::size_t cell, float) {
     out.returns[next[cell]++] = i;
     return true;
   });
@@ -125,6 +144,7 @@ Projection project_by_id(const Scan& scan, Projection spare) {
   Projection out = std::move(spare);
   out.rings = rings.rings;
   out.columns = columns.columns;
+  out.stride = stride_of(out.columns);
   out.beams = rings.beams;
   if (!fill_one_per_cell(scan, rings, columns, out)) fill_many_per_cell(scan, rings, columns, out);
   fit_cones(scan, out);

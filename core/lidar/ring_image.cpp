@@ -30,20 +30,17 @@ Eigen::Vector3f gathered_point(const Scan& scan, std::span<const std::uint32_t> 
 
 void gather_cells(const Projection& projection, const Scan& scan, RingImage& image) {
   const std::size_t cells = projection.range.size();
-  image.gathered.clear();
+  image.gathered.resize(cells);
   image.gathered_range.assign(cells, 0.0f);
-  image.gathered_place.assign(cells, 0);
   std::vector<float> ranges;
   for (std::size_t i = 0; i < cells; ++i) {
     const auto cell = projection.cell(i);
     if (cell.empty()) continue;
-    image.gathered_place[i] = static_cast<std::uint32_t>(image.gathered.size());
-    image.gathered.push_back(cell.size() == 1 ? scan.points[cell[0]] : gathered_point(scan, cell, ranges));
-    image.gathered_range[i] = image.gathered.back().norm();
+    image.gathered[i] = cell.size() == 1 ? scan.points[cell[0]] : gathered_point(scan, cell, ranges);
+    image.gathered_range[i] = image.gathered[i].norm();
   }
   image.points = image.gathered;
   image.range = image.gathered_range;
-  image.place = image.gathered_place;
 }
 
 }  // namespace
@@ -52,6 +49,7 @@ RingImage make_ring_image(const Projection& projection, const Scan& scan, RingIm
   RingImage image = std::move(spare);
   image.rows = static_cast<int>(projection.by_elevation.size());
   image.columns = projection.columns;
+  image.stride = projection.stride;
   image.column_angle = static_cast<float>(projection.column_angle());
   image.ring = projection.by_elevation;
   image.row_of.assign(static_cast<std::size_t>(projection.rings), 0);
@@ -69,9 +67,8 @@ RingImage make_ring_image(const Projection& projection, const Scan& scan, RingIm
   }
   if (image.rows > 0) image.row_angle.push_back(image.rows > 1 ? image.row_angle.back() : 1.0f);
   if (projection.one_per_cell()) {
-    image.points = scan.points;
+    image.points = projection.point;
     image.range = projection.range;
-    image.place = projection.returns;
   } else {
     gather_cells(projection, scan, image);
   }

@@ -13,8 +13,8 @@
 namespace ca2 {
 
 /// The neighbourhood of the finder: the cells of a projection, whose columns
-/// wrap around. Looks into the projection and the scan it was made from, which
-/// must outlive it.
+/// wrap around. Looks into the projection it was made from, which must
+/// outlive it.
 struct RingImage {
   RingImage() = default;
   RingImage(RingImage&&) = default;
@@ -22,6 +22,7 @@ struct RingImage {
 
   int rows = 0;  ///< rings with returns, lowest first
   int columns = 0;
+  int stride = 0;                          ///< as in Projection
   float column_angle = 0;                  ///< rad
   std::vector<int> ring;                   ///< [row] the projection's ring
   std::vector<int> row_of;                 ///< [ring]
@@ -33,21 +34,19 @@ struct RingImage {
 
   /// The projection's cell.
   std::size_t index(int row, int column) const {
-    return static_cast<std::size_t>(ring[static_cast<std::size_t>(row)]) * columns + column;
+    return static_cast<std::size_t>(ring[static_cast<std::size_t>(row)]) * stride + column;
   }
-  int row(std::size_t cell) const { return row_of[cell / static_cast<std::size_t>(columns)]; }
-  int column(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(columns)); }
+  int row(std::size_t cell) const { return row_of[cell / static_cast<std::size_t>(stride)]; }
+  int column(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(stride)); }
   int wrap(int column) const {
     return column < 0 ? column + columns : column >= columns ? column - columns : column;
   }
   /// m; mean of the cell's returns where they agree. Only where there are some.
-  const Eigen::Vector3f& point(std::size_t cell) const { return points[place[cell]]; }
+  const Eigen::Vector3f& point(std::size_t cell) const { return points[cell]; }
 
   std::span<const Eigen::Vector3f> points;
-  std::span<const std::uint32_t> place;   ///< [cell] into `points`
   std::vector<Eigen::Vector3f> gathered;  ///< what they look into where cells have several returns
   std::vector<float> gathered_range;
-  std::vector<std::uint32_t> gathered_place;
 };
 
 /// `spare`: an image that is no longer needed, for its memory.

@@ -130,8 +130,10 @@ TEST(CoveredReturns, NothingLiesOnABarePlate) {
       const HeldPlate truth(seed, false, ring_offset);
       const Projection projection = project_by_id(truth.scan);
       const RingImage image = make_ring_image(projection, truth.scan);
-      covered +=
-          find_covered_returns(projection, image, truth.plane, truth.T_lidar_board.t, 0.3, noise).size();
+      const Eigen::Vector3d& centre = truth.T_lidar_board.t;
+      const std::vector<PatchRay> rays =
+          view_patch(image, {truth.plane, centre}, 0.3, 4 * noise, std::numeric_limits<std::size_t>::max());
+      covered += find_covered_returns(projection, image, truth.plane, centre, rays, noise).size();
       plate += static_cast<std::size_t>(std::count(truth.on_plate.begin(), truth.on_plate.end(), 1));
     }
     EXPECT_LT(static_cast<double>(covered), 0.005 * static_cast<double>(plate)) << ring_offset;
