@@ -32,8 +32,8 @@ struct BoardCandidate {
   std::vector<float> beam_height;       ///< m, by ring: Projection::height; empty: the scan has no rings
   /// By return of the scan, Projection::found_ring; null: those that the scan names. Shared by candidates.
   std::shared_ptr<const std::vector<std::uint16_t>> found_ring;
-  double score = 0;                     ///< 0..1: how much it looks like the board; only ranks candidates
-  std::string why;                      ///< what speaks for and against it, for the report
+  double score = 0;  ///< 0..1: how much it looks like the board; only ranks candidates
+  std::string why;   ///< what speaks for and against it, for the report
 };
 
 struct FinderOptions {
