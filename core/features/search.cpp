@@ -14,7 +14,7 @@ namespace ca2 {
 namespace {
 
 /// Counts with every change of a search that can change its features: old cache files then no longer match.
-constexpr int searches_version = 4;
+constexpr int searches_version = 5;
 
 std::string settings_of(const Board& board) {
   std::string text = std::to_string(searches_version);

@@ -53,4 +53,8 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
 void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most,
           Rings rings = Rings::usual);
 
+/// Makes one of pieces that go on in each other across a gap of a few squares, so far apart as no lattice
+/// grows where single corners cannot be told: the first of them has all corners then, the others are gone.
+void merge_pieces(std::vector<Lattice>& pieces);
+
 }  // namespace ca2

@@ -184,6 +184,22 @@ std::optional<Place> place_of(const Board& board, const Pixels& pixels,
   return best;
 }
 
+/// The corners of a piece, where the print tells its place.
+std::vector<Corner> placed_corners(const Board& board, const SquarePrint& print, const Image& grey8,
+                                   const std::map<Cell, Eigen::MatrixXd>& printed, const Lattice& piece) {
+  const Pixels pixels = right_handed(piece);
+  const auto place = place_of(board, pixels, seen_squares(pixels, print, grey8), printed);
+  std::vector<Corner> corners;
+  if (!place) return corners;
+  for (const auto& [cell, pixel] : pixels) {
+    const Cell at = place->corner(cell);
+    if (!on_board(board, at)) continue;
+    corners.push_back(
+        {at.second * (board.columns - 1) + at.first, pixel, Eigen::Matrix2d::Identity() * 0.04});
+  }
+  return corners;
+}
+
 }  // namespace
 
 std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, const Image& grey8) {
@@ -192,22 +208,21 @@ std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, 
   const std::vector<Saddle> saddles = strongest_saddles(levels, Rings::small);
   const auto printed = printed_squares(board, print);
   const auto most = static_cast<std::size_t>(2 * board.columns * board.rows + 40);
-  for (Lattice& piece : connected_lattices(saddles, link_neighbours(levels, saddles), 4, most_pieces)) {
-    grow(levels, piece, most, Rings::small);
-    if (piece.size() < least_corners || piece.size() > most) continue;
-    const Pixels pixels = right_handed(piece);
-    const auto place = place_of(board, pixels, seen_squares(pixels, print, grey8), printed);
-    if (!place) continue;
-    std::vector<Corner> corners;
-    for (const auto& [cell, pixel] : pixels) {
-      const Cell at = place->corner(cell);
-      if (!on_board(board, at)) continue;
-      corners.push_back(
-          {at.second * (board.columns - 1) + at.first, pixel, Eigen::Matrix2d::Identity() * 0.04});
+  std::vector<Lattice> pieces = connected_lattices(saddles, link_neighbours(levels, saddles), 4, most_pieces);
+  const auto place_any = [&]() -> std::vector<Corner> {
+    for (Lattice& piece : pieces) {
+      grow(levels, piece, most, Rings::small);
+      if (piece.size() < least_corners || piece.size() > most) continue;
+      std::vector<Corner> corners = placed_corners(board, print, grey8, printed, piece);
+      if (!corners.empty()) return corners;
     }
-    return corners;
-  }
-  return {};
+    return {};
+  };
+  if (std::vector<Corner> corners = place_any(); !corners.empty()) return corners;
+  // Squares of 10 px and less leave a board in pieces, of which none shows enough of the print.
+  const std::size_t before = pieces.size();
+  merge_pieces(pieces);
+  return pieces.size() < before ? place_any() : std::vector<Corner>{};
 }
 
 }  // namespace ca2

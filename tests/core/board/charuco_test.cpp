@@ -114,6 +114,30 @@ TEST(Charuco, IsFoundWhereMarkersTouchTheCorners) {
   EXPECT_GE(found, 0.5 * views);
 }
 
+/// Where some corners cannot be told a board is seen in pieces, none of which shows enough of the print: all
+/// of them together do.
+TEST(Charuco, IsToldByItsPiecesTogether) {
+  const Board board = test::make_board("charuco", 11, 8, 0.036);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::fisheye_camera();
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int found = 0, views = 0;
+  for (; views < 40; ++views) {
+    const Eigen::Vector3d bearing(1.2 * unit(random) - 0.6, 1.2 * unit(random) - 0.6, 1);
+    const double tilt = 0.6 * std::sqrt(unit(random)), axis = 6.28 * unit(random);
+    const Pose pose =
+        test::board_pose(bearing, 0.9 + 0.15 * unit(random), tilt, axis, 0.6 * unit(random) - 0.3);
+    const auto pixels = test::true_corners(board, camera, pose);
+    const auto corners = detect_board(board, test::render_board(board, camera, pose, {}, random));
+    for (const Corner& corner : corners)
+      EXPECT_LT((corner.pixel - *pixels[static_cast<std::size_t>(corner.id)]).norm(), 0.5);
+    found += 2 * corners.size() > pixels.size() ? 1 : 0;
+  }
+  std::printf("found in %d of %d views\n", found, views);
+  EXPECT_GE(found, 0.9 * views);
+}
+
 /// A hand hides corners, and no others than those under it.
 TEST(Charuco, LacksWhatIsCovered) {
   const Board board = test::make_board("charuco", 8, 6);
