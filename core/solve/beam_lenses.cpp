@@ -13,6 +13,12 @@ namespace {
 
 /// Less probable than this is out of the question.
 constexpr double least_doubt = 0.01;
+/// So many views mostly tell; where they do not (units of half chi-squared, of which fewer views than those
+/// of the answer could explain a few), all are asked.
+constexpr std::size_t enough_views_to_tell = 24;
+constexpr double beyond_question = 20;
+/// Returns that show a LiDAR's beams: hundreds in each of its rings.
+constexpr std::size_t enough_to_tell = 4000;
 
 /// The views with the lenses of those LiDARs, and of `l` the other way round where that is one of them.
 std::vector<ViewSights> seen_through(std::vector<ViewSights> views, const std::vector<LensVerdict>& lenses,
@@ -28,16 +34,37 @@ constexpr std::size_t none = static_cast<std::size_t>(-1);
 double lens_to_ask_for(const RigLidar& lidar, const std::vector<ViewSights>& views, std::size_t l) {
   if (!lidar.model.empty()) return beam_lens_radius(lidar.model);
   if (!lidar.metadata.empty()) return 0;  // an Ouster
-  std::vector<float> elevations;
+  std::vector<const std::vector<BoardReturn>*> lists;
+  std::size_t count = 0;
   for (const ViewSights& view : views) {
     for (const LidarSight& sight : view.lidars[l]) {
       for (const auto* returns : {&sight.on_board, &sight.around}) {
-        for (const BoardReturn& one : *returns)
-          elevations.push_back(std::atan2(one.point.z(), one.point.head<2>().norm()));
+        lists.push_back(returns);
+        count += returns->size();
       }
     }
   }
+  const std::size_t step = 1 + count / enough_to_tell;
+  std::vector<float> elevations;
+  std::size_t next = 0;  // from the beginning of a list
+  for (const std::vector<BoardReturn>* list : lists) {
+    for (; next < list->size(); next += step) {
+      const Eigen::Vector3f& point = (*list)[next].point;
+      elevations.push_back(std::atan2(point.z(), point.head<2>().norm()));
+    }
+    next -= list->size();
+  }
   return beam_lens_radius(elevations);
+}
+
+/// The views that are used, or about so many of them, evenly.
+std::vector<bool> some_used(const std::vector<JointViewOutcome>& views, std::size_t most) {
+  const auto used = static_cast<std::size_t>(std::ranges::count_if(views, &JointViewOutcome::used));
+  const std::size_t step = 1 + (used - std::min<std::size_t>(used, 1)) / most;
+  std::vector<bool> some;
+  std::size_t count = 0;
+  for (const JointViewOutcome& view : views) some.push_back(view.used && count++ % step == 0);
+  return some;
 }
 
 /// Widens the covariance by where LiDAR `l` is with probability `chance`.
@@ -68,14 +95,20 @@ LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& camera
   LensedAnswer found{solved(views), std::vector<LensVerdict>(count)};
   const std::vector<double> radii = std::exchange(options.lens_radius, {});
   options.rims = false;
+  const auto gain_of = [&](std::size_t l, std::size_t most) {
+    options.misfits_of = some_used(found.answer.views, most);
+    return planes_gain(found.answer.plane_misfits, solved(through_lens(views, l, radii[l])).plane_misfits);
+  };
   for (std::size_t l = 0; l < count && !stopped(); ++l) {
     if (!(radii[l] > 0) || !leaves_lens_out(views, l, radii[l])) continue;
-    double gain =
-        planes_gain(found.answer.plane_misfits, solved(through_lens(views, l, radii[l])).plane_misfits);
+    double gain = gain_of(l, enough_views_to_tell);
+    if (std::abs(gain) < beyond_question && views.size() > enough_views_to_tell)
+      gain = gain_of(l, views.size());
     if (!found.answer.lens_gain.empty()) gain += found.answer.lens_gain[l];
     found.lenses[l] = {gain > 0, radii[l], 1 / (1 + std::exp(std::abs(gain)))};
   }
   options.rims = true;
+  options.misfits_of.clear();
   if (std::any_of(found.lenses.begin(), found.lenses.end(), [](const LensVerdict& l) { return l.taken; }))
     found.answer = solved(seen_through(views, found.lenses, none));
   for (std::size_t l = 0; l < count; ++l) {

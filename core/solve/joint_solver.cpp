@@ -47,16 +47,13 @@ class Solver {
         views_(views),
         lidars_(static_cast<std::size_t>(lidars)),
         rims_(board, views, seed.chosen, lidars_),
-        lens_radius_(options.lens_radius),
-        with_rims_(options.rims) {
+        options_(options) {
     input_.board_corners = board.type->corners(board);
     input_.cameras = cameras;
     input_.relative = options.relative;
-    stop_ = options.stop;
     input_.prior_intrinsics = options.prior_intrinsics;
     input_.prior_bias = options.prior_bias;
     input_.stated = options.stated;
-    doubt_priors_ = options.doubt_priors;
     answer_.chosen = seed.chosen;
     answer_.by_rims = seed.by_rims;
     answer_.views.resize(views.size());
@@ -75,7 +72,8 @@ class Solver {
     state_.dilation.resize(lidars_);
     for (std::size_t l = 0; l < lidars_; ++l) {
       std::vector<int> chosen;
-      for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
+      for (std::size_t v = 0; v < views.size(); ++v)
+        chosen.push_back(options.misfits_of.empty() || options.misfits_of[v] ? seed.chosen[v][l] : -1);
       returns_.emplace_back(views, l, chosen, ink_);
     }
     corners_ = settled_corners(views, seed, static_cast<int>(input_.board_corners.size()));
@@ -85,7 +83,7 @@ class Solver {
   JointAnswer run() {
     for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
     if (answer_.by_rims) {
-      if (with_rims_) solve_by_rims();
+      if (options_.rims) solve_by_rims();
       return std::move(answer_);
     }
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
@@ -96,12 +94,13 @@ class Solver {
     estimate_corner_noise();
     solve_and_judge();
     if (!stopping()) question_corners();
-    while (!stopping() && drop_worst()) solve_and_judge();
+    while (options_.misfits_of.empty() && !stopping() && drop_worst()) solve_and_judge();
     for (const JointViewOutcome& view : answer_.views)
       answer_.plane_misfits.push_back(view.used ? view.misfit : Misfit{});
+    if (!options_.misfits_of.empty()) return std::move(answer_);
     if (!stopping()) explain_misfit();
     if (!stopping()) finish(Priors::weighed);
-    if (with_rims_ && !stopping()) add_edges();
+    if (options_.rims && !stopping()) add_edges();
     return std::move(answer_);
   }
 
@@ -111,7 +110,7 @@ class Solver {
     const auto cameras = std::ranges::count_if(corners_[v], [](const auto& seen) { return !seen.empty(); });
     const auto lidars =
         std::ranges::count_if(answer_.chosen[v], [](int hypothesis) { return hypothesis >= 0; });
-    outcome.used = cameras + lidars >= 2;
+    outcome.used = cameras + lidars >= 2 && (options_.misfits_of.empty() || options_.misfits_of[v]);
     if (!outcome.used) outcome.reason = why_unusable(views_[v]);
   }
 
@@ -180,7 +179,7 @@ class Solver {
     state_.T_ref_board = std::move(boards);
   }
 
-  bool stopping() const { return stop_.stop_requested(); }
+  bool stopping() const { return options_.stop.stop_requested(); }
 
   void solve() {
     if (stopping()) return;
@@ -193,7 +192,7 @@ class Solver {
   void solve_prepared() {
     JointState active = active_state();
     input_.corner_reach = coarse_reach;
-    LmOptions options{.max_iterations = 30, .initial_damping = damping_, .stop = stop_};
+    LmOptions options{.max_iterations = 30, .initial_damping = damping_, .stop = options_.stop};
     options.gradient_tolerance = enough_decrease;
     minimize(*problem_, active, options);
     damping_ = warm_damping;
@@ -292,7 +291,7 @@ class Solver {
     }
     judge();
     without.lens_gain = answer_.lens_gain =
-        rims_.lens_gains(state_, active_, input_.rim_freedom, lens_radius_);
+        rims_.lens_gains(state_, active_, input_.rim_freedom, options_.lens_radius);
     // With their rims views may disagree where planes alone left room to agree.
     explain_misfit();
     finish(Priors::weighed);
@@ -362,7 +361,7 @@ class Solver {
   void question_corners() {
     if (active_.size() < least_views_to_doubt) return;
     input_.corner_scale = answer_.corner_scale;
-    const CornerDoubts doubts = doubt_corners(input_, active_state(), neighbours_, doubt_priors_);
+    const CornerDoubts doubts = doubt_corners(input_, active_state(), neighbours_, options_.doubt_priors);
     if (!doubts.any()) return;
     doubts.open(input_);
     problem_.reset();  // its unknowns are others
@@ -423,15 +422,12 @@ class Solver {
   const std::vector<ViewSights>& views_;
   std::size_t lidars_;
   PlateRims rims_;
-  std::vector<double> lens_radius_;
-  bool with_rims_;
+  const JointOptions& options_;
   std::vector<LidarReturns> returns_;  ///< by LiDAR
-  DoubtPriors doubt_priors_;
   JointInput input_;
   JointState state_;
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
-  std::stop_token stop_;
   bool placed_ = false;                  ///< see `boards_are_placed`; until then the returns are the finder's
   double damping_ = cold_damping;        ///< of the next solve's first step
   std::optional<JointProblem> problem_;  ///< of input_

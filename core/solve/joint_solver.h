@@ -26,7 +26,10 @@ struct JointOptions {
   std::vector<RelativePrior> relative;
   std::vector<double> lens_radius;  ///< by LiDAR, m, see `lens_gain`; 0 or empty: nothing to ask
   bool rims = true;                 ///< false: planes alone
-  std::stop_token stop = {};        ///< once this is asked for it gives up soon, and the answer means nothing
+  /// Where not empty, by view: of the answer only `plane_misfits` is asked for, of these views however large
+  /// they are; nothing else in it means anything.
+  std::vector<bool> misfits_of;
+  std::stop_token stop = {};  ///< once this is asked for it gives up soon, and the answer means nothing
 };
 
 /// What became of a view.
