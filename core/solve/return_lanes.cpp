@@ -20,15 +20,14 @@ struct Rays {
         height(z + returns.rays.rows()),
         range(returns.range.data()),
         size(returns.range.size()) {}
-  const float *x, *y, *z, *height;
-  const double* range;
+  const float *x, *y, *z, *height, *range;
   Eigen::Index size;
 };
 
 /// What is summed: r is the residual, J its derivative by the plane's inverse and the range slope.
 enum Term : std::size_t { n, r, J0, J1, J2, J3, class_terms };
 
-CA2_HOT_LOOP void meet(const Rays& rays, const Eigen::Vector3d& q, double* along) {
+CA2_HOT_LOOP void meet(const Rays& rays, const Eigen::Vector3d& q, float* along) {
   for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes) {
     Four x, y, z, height;
     load(x, rays.x + i);
@@ -39,7 +38,7 @@ CA2_HOT_LOOP void meet(const Rays& rays, const Eigen::Vector3d& q, double* along
   }
 }
 
-CA2_HOT_LOOP void place(const Rays& rays, const double* along, const Eigen::Vector3d& axis, double origin,
+CA2_HOT_LOOP void place(const Rays& rays, const float* along, const Eigen::Vector3d& axis, double origin,
                         double* places) {
   for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes) {
     Four x, y, z, height, to;
@@ -52,8 +51,8 @@ CA2_HOT_LOOP void place(const Rays& rays, const double* along, const Eigen::Vect
   }
 }
 
-CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const double* along, double limit,
-                            double* taken, Near& near) {
+CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const float* along, double limit,
+                            float* taken, Near& near) {
   const Four none = {}, one = none + 1, infinite = none + std::numeric_limits<double>::infinity();
   const Four end = none + static_cast<double>(count);
   Four low[3] = {infinite, infinite, infinite}, high[3] = {-infinite, -infinite, -infinite};
@@ -87,7 +86,7 @@ CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const double* 
   }
 }
 
-CA2_HOT_LOOP void add_up(const Rays& rays, double q_z, const double* along, const double* taken,
+CA2_HOT_LOOP void add_up(const Rays& rays, double q_z, const float* along, const float* taken,
                          const std::uint16_t* of_class, CorrectionEvidence& sums) {
   Four JJ[10] = {}, rJ[4] = {}, rr = {};
   for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes) {
@@ -144,7 +143,7 @@ void ReturnArrays::leave_out_from(std::size_t size) {
   range.tail(rest).setZero();
 }
 
-void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::VectorXd& along,
+void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::VectorXf& along,
                 Eigen::VectorXd& x, Eigen::VectorXd& y) {
   const Rays rays(returns);
   meet_plane(returns, inverse_plane(board_plane(T_lidar_board)), along);
@@ -155,14 +154,14 @@ void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::V
   place(rays, along.data(), y_axis, y_axis.dot(T_lidar_board.t), y.data());
 }
 
-void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::VectorXd& along) {
+void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::VectorXf& along) {
   const Rays rays(returns);
   along.resize(rays.size);
   meet(rays, q, along.data());
 }
 
-Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::VectorXd& along, double limit,
-               Eigen::VectorXd& taken) {
+Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::VectorXf& along, double limit,
+               Eigen::VectorXf& taken) {
   const Rays rays(returns);
   taken.resize(rays.size);
   Near near;
@@ -170,8 +169,8 @@ Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::Vect
   return near;
 }
 
-void sum_returns(const ReturnArrays& returns, const Eigen::Vector3d& q, const Eigen::VectorXd& along,
-                 const Eigen::VectorXd& taken, std::span<const std::uint16_t> of_class,
+void sum_returns(const ReturnArrays& returns, const Eigen::Vector3d& q, const Eigen::VectorXf& along,
+                 const Eigen::VectorXf& taken, std::span<const std::uint16_t> of_class,
                  CorrectionEvidence& sums) {
   for (ClassSums& one : sums.classes) one = {one.ring, one.bin};
   add_up(Rays(returns), q.z(), along.data(), taken.data(), of_class.data(), sums);

@@ -89,7 +89,7 @@ void ReturnPatch::settle(const Place& place, double margin) {
   reference_ = inverse_plane(board_plane(place.T_lidar_board));
   Eigen::VectorXd x, y;  // where rays meet the plate, m
   meet_plate(returns_, place.T_lidar_board, predicted_, x, y);
-  const Eigen::VectorXd spots = beam_width * predicted_;
+  const Eigen::VectorXd spots = beam_width * predicted_.cast<double>();
   Eigen::VectorXd ink(spots.size());
   ink_.shares(x.data(), y.data(), spots.data(), ink.size(), ink.data());
   const Eigen::Vector2d center = place.outline.center;
@@ -106,7 +106,7 @@ void ReturnPatch::settle(const Place& place, double margin) {
     const double slack =
         std::min(half_width - std::abs(x(i) - center.x()), half_height - std::abs(y(i) - center.y()));
     if (!(slack > -rim_reach && predicted_(i) > 0)) continue;
-    const double off = std::abs(returns_.range(i) - predicted_(i) - place.bias);
+    const double off = std::abs(double{returns_.range(i)} - predicted_(i) - place.bias);
     if (slack > rim_reach && off <= place.limit) {
       settled_(i) = 1;
       ++settled_count_;
@@ -201,7 +201,7 @@ ReturnPatch::Open ReturnPatch::opened(std::size_t index) const {
   const double predicted = predicted_(i);
   // By q: (o + rho u) / (u.q), see `range_sums`.
   const double per_toward = predicted / (1 - one.height * reference_.z());
-  one.linear.r = returns_.range(i) - predicted;
+  one.linear.r = double{returns_.range(i)} - predicted;
   one.linear.J << per_toward * (predicted * one.ray + Eigen::Vector3d(0, 0, one.height)), -one.ray.z();
   return one;
 }

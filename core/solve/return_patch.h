@@ -101,8 +101,8 @@ class ReturnPatch {
   std::size_t size_ = 0, found_ = 0;
   std::vector<std::uint16_t> ring_, of_class_;  ///< by return
   std::vector<int> slots_;                      ///< index of the class by ring and bin, -1: none yet
-  Eigen::VectorXd predicted_;                   ///< m along the rays to the reference plane
-  Eigen::VectorXd settled_;                     ///< 1: it is; 0: it is not
+  Eigen::VectorXf predicted_;                   ///< m along the rays to the reference plane
+  Eigen::VectorXf settled_;                     ///< 1: it is; 0: it is not
 
   std::optional<Place> place_;
   Eigen::Vector3d reference_ = Eigen::Vector3d::Zero();

@@ -22,6 +22,11 @@ CA2_FOUR_INLINE void load(Four& out, const float* from) {
 CA2_FOUR_INLINE void store(double* to, const Four& in) {
   std::memcpy(to, &in, sizeof in);
 }
+CA2_FOUR_INLINE void store(float* to, const Four& in) {
+  using Floats = float __attribute__((vector_size(16)));
+  const Floats floats = __builtin_convertvector(in, Floats);
+  std::memcpy(to, &floats, sizeof floats);
+}
 CA2_FOUR_INLINE double sum(const Four& of) {
   return (of[0] + of[1]) + (of[2] + of[3]);
 }
