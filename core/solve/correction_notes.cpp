@@ -44,7 +44,7 @@ std::vector<std::string> correction_notes(const Rig& rig, const std::vector<View
         "%.2f +- %.2f %% along y; measure it",
         100 * print.stretch.x(), 100 * print.sigma.x(), 100 * print.stretch.y(), 100 * print.sigma.y()));
   }
-  if (answer.rims_free) {
+  if (answer.rims_off) {
     std::string note =
         formatted("the plates' rims lie %.0f mm behind their print", 1e3 * answer.state.rim_depth);
     std::size_t l = 0;

@@ -171,9 +171,9 @@ double JointProblem::add_priors(const State& state, DenseNormalEquations* equati
         known_to(input_.prior_range_slope[static_cast<std::size_t>(l)]));
     const Dilation& dilation = state.dilation[static_cast<std::size_t>(l)];
     add(dilation_index(l), dilation.angle, known_to(input_.prior_dilation));
-    add(dilation_index(l) + 1, dilation.margin, known_to(input_.rim_freedom.margin));
+    add(margin_index(l), dilation.margin, loose(input_.rim_freedom.margin));
   }
-  add(rim_depth_index(), state.rim_depth, known_to(input_.rim_freedom.depth));
+  add(rim_depth_index(), state.rim_depth, loose(input_.rim_freedom.depth));
   if (input_.nuisances) {
     const Eigen::VectorXd d = deviations(state);
     const Eigen::VectorXd pulled = input_.nuisances->information * d - input_.nuisances->pull;

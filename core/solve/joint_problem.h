@@ -118,6 +118,7 @@ class JointProblem {
   int stretch_index() const { return stretch_; }
   int bias_index(int lidar) const { return biases_ + lidar; }
   int dilation_index(int lidar) const { return biases_ + lidars_ + 2 * lidar; }  ///< angle; margin
+  int margin_index(int lidar) const { return dilation_index(lidar) + 1; }
   int slope_index(int lidar) const { return biases_ + 3 * lidars_ + lidar; }
   int rim_depth_index() const { return biases_ + 4 * lidars_; }
 
@@ -167,7 +168,7 @@ enum class Priors { as_given, weighed };
 /// Minimises; where they are to be `weighed`, weighs the priors by what the views show
 /// (input.nuisances; from three views on) and minimises with these. `input` is the problem's; the problem is
 /// left linearised at `state`: three or four views leave too little over to be sure that given values are
-/// right, so that its information is then the one with the priors as given.
+/// right, so that its information is then the one with the priors as given, but for those on rims.
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors);
 
 }  // namespace ca2

@@ -276,8 +276,7 @@ class Solver {
     if (!rims_.any(active_)) return;
     JointAnswer without = answer_;
     for (const double slack : rim_slacks) {
-      // Rims that lie off for a reason must not be left out before it is known.
-      if (slack == rim_slacks.back()) question_rims();
+      if (slack == rim_slacks.back()) input_.rim_freedom = rim_freedom;
       look_at_rims(slack);
       if (slack == rim_slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);
@@ -318,13 +317,6 @@ class Solver {
     }
     if (!stopping()) explain_misfit();
     if (!stopping()) finish(Priors::as_given);
-  }
-
-  /// Frees what the rims contradict.
-  void question_rims() {
-    if (!(rims_.freedom_gain(state_, active_) > convincing_freedom_gain)) return;
-    input_.rim_freedom = rim_freedom;
-    solve();
   }
 
   /// The answer without rims, with the views' own errors as they are known now and given values doubted
@@ -409,13 +401,23 @@ class Solver {
       answer_.views[active_[i]].plane_rms = problem_->range_rms(active, i);
     answer_.state = state_;
     answer_.stretch_free = input_.prior_stretch > 0;
-    answer_.rims_free = rims_.in_use() && input_.rim_freedom.depth > 0;
     answer_.free_intrinsics.clear();
     for (const CameraParameters& sigma : input_.prior_intrinsics)
       answer_.free_intrinsics.push_back(static_cast<int>(sigma.size()));
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
     answer_.variance_factor = misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom);
     add_covariance(answer_, *problem_, active, active_.size());
+    answer_.rims_off = rims_.in_use() && rims_are_off(active);
+  }
+
+  /// Is a thousand to one against it that rims lie in the print's plane and are seen too large by an angle
+  /// only?
+  bool rims_are_off(const JointState& active) const {
+    const auto off = [&](double value, int i) { return value * value > 13.8 * answer_.covariance(i, i); };
+    bool any = off(active.rim_depth, problem_->rim_depth_index());
+    for (std::size_t l = 0; l < lidars_; ++l)
+      any = any || off(active.dilation[l].margin, problem_->margin_index(static_cast<int>(l)));
+    return any;
   }
 
   const InkMap ink_;

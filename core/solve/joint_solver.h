@@ -49,7 +49,7 @@ struct JointAnswer {
   std::vector<double> range_sigma;       ///< by LiDAR, m
   std::vector<int> free_intrinsics;      ///< by camera: how many of its parameters were unknowns
   bool stretch_free = false;             ///< the print's stretch was unknown too
-  bool rims_free = false;                ///< and RimFreedom
+  bool rims_off = false;                 ///< rims lie behind the print or outside of the plates, beyond doubt
   std::vector<double> corner_scale;      ///< by camera: measured over predicted corner noise
   std::vector<double>
       view_sigma;  ///< by LiDAR, m: what all returns of a view err by together; 0: nothing seen

@@ -1,5 +1,6 @@
 /// JointProblem's part that weighs the given intrinsics and range biases.
 #include <Eigen/Cholesky>
+#include <array>
 
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/solve/joint_problem.h"
@@ -12,8 +13,25 @@ constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
 /// That values of a group are exactly right. Given intrinsics at even odds: where they are, few views gain,
 /// and where they are not, nothing is lost. Few LiDARs' ranges are without a bias: believing it costs the
 /// planes of few views a little where it is not so. What the corners contradicted a thousand to one is hardly
-/// right.
-constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1;
+/// right. Plates as thin as their print and beams that begin as points are a little more likely than not.
+constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1, rims_right = 0.6;
+/// All deviations of one group are as far off as each other.
+constexpr int pinhole_group = 0, bias_group = 1, rim_group = 2, distortion_group = 3, print_group = 4;
+/// The covariance must be true of wrong ones.
+constexpr double cautiously_right = 0.1;
+
+/// Right, as far off as thought, or something `between`, each with a chance of its own.
+template <std::size_t count>
+std::vector<NuisanceSize> sizes(double right, const std::array<double, count>& between, double chance) {
+  std::vector<NuisanceSize> list{{0, right, cautiously_right}};
+  for (const double factor : between) list.push_back({factor, chance, chance});
+  list.push_back({1, 1 - right - chance * count, 1 - cautiously_right - chance * count});
+  return list;
+}
+
+std::vector<NuisanceSize> fine_sizes(double right) {
+  return sizes(right, std::array{1. / 32, 1. / 16, 1. / 8, 1. / 4, 1. / 2}, 0.02);
+}
 
 }  // namespace
 
@@ -21,7 +39,7 @@ bool JointProblem::distortion_free() const {
   return intrinsics_.back() - intrinsics_.front() > 4 * cameras_;
 }
 Eigen::VectorXd JointProblem::deviations(const JointState& state) const {
-  Eigen::VectorXd d(biases_ + lidars_ - intrinsics_index(0));
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(globals_ - intrinsics_index(0));
   for (int c = 0; c < cameras_; ++c) {
     const auto i = static_cast<std::size_t>(c);
     const int free = free_intrinsics(c);
@@ -29,8 +47,11 @@ Eigen::VectorXd JointProblem::deviations(const JointState& state) const {
         (state.cameras[i].parameters - input_.cameras[i].parameters).head(free);
   }
   if (stretch_free()) d.segment<2>(stretch_index() - intrinsics_index(0)) = state.stretch;
-  for (int l = 0; l < lidars_; ++l)
+  for (int l = 0; l < lidars_; ++l) {
     d(bias_index(l) - intrinsics_index(0)) = state.range_bias[static_cast<std::size_t>(l)];
+    d(margin_index(l) - intrinsics_index(0)) = state.dilation[static_cast<std::size_t>(l)].margin;
+  }
+  d(rim_depth_index() - intrinsics_index(0)) = state.rim_depth;
   return d;
 }
 
@@ -38,7 +59,7 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   // Held ones go with the others: their prior is no matter of belief.
   NuisanceEvidence evidence;
   const int first = intrinsics_index(0);
-  evidence.size = biases_ + lidars_ - first;
+  evidence.size = globals_ - first;
   std::vector<int>& index = evidence.index;
   std::vector<double> sigmas;
   const auto add = [&](int i, double sigma, int group) {
@@ -47,22 +68,23 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
     sigmas.push_back(sigma);
     evidence.group.push_back(group);
   };
-  // All of one group are as far off as each other. The last two may not be unknowns at all.
-  constexpr int pinhole_group = 0, bias_group = 1, distortion_group = 2;
-  const int print_group = distortion_free() ? 3 : 2;
   for (int c = 0; c < cameras_; ++c) {
     const auto i = static_cast<std::size_t>(c);
     for (int k = 0; k < free_intrinsics(c); ++k)
       add(intrinsics_index(c) - first + k, input_.prior_intrinsics[i](k),
-          !input_.stated[i] ? -1
+          !input_.stated[i] ? NuisanceEvidence::as_given
           : k < 4           ? pinhole_group
                             : distortion_group);
   }
   for (int k = 0; k < (stretch_free() ? 2 : 0); ++k)
     add(stretch_index() - first + k, input_.prior_stretch, print_group);
   for (int l = 0; l < lidars_; ++l) add(bias_index(l) - first, input_.prior_bias, bias_group);
+  for (int l = 0; l < lidars_; ++l) add(margin_index(l) - first, input_.rim_freedom.margin, rim_group);
+  add(rim_depth_index() - first, input_.rim_freedom.depth, rim_group);
   if (index.empty()) return std::nullopt;
-  evidence.right = {intrinsics_right, ranges_right, contradicted_right, contradicted_right};
+  evidence.sizes = {fine_sizes(intrinsics_right), fine_sizes(ranges_right),
+                    sizes(rims_right, std::array{0.3}, 0.2), fine_sizes(contradicted_right),
+                    fine_sizes(contradicted_right)};
   // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
   const auto count = static_cast<Eigen::Index>(index.size());
   const Eigen::Index others = globals_ - count;
@@ -99,11 +121,14 @@ void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& st
   minimize(problem, state, options);
   problem.linearize(state);
   if (priors == Priors::as_given || input.views.size() < least_views_to_weigh) return;
-  const std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
+  std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
   if (!evidence) return;
   input.nuisances = weigh_nuisances(*evidence);
   minimize(problem, state, options);
-  if (input.views.size() < least_views_to_trust) input.nuisances.reset();
+  if (input.views.size() < least_views_to_trust) {
+    for (int& group : evidence->group) group = group == rim_group ? group : NuisanceEvidence::as_given;
+    input.nuisances = weigh_nuisances(*evidence);
+  }
   problem.linearize(state);
 }
 

@@ -2,26 +2,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 namespace ca2 {
 namespace {
-
-/// Of the deviations' sigma. The first one: given values are right; the last one: they are as far off as
-/// thought.
-constexpr std::array factors{0.0, 1. / 32, 1. / 16, 1. / 8, 1. / 4, 1. / 2, 1.0};
-/// Of each of the factors between.
-constexpr double chance_between = 0.02;
-/// That given values are right, for the covariance.
-constexpr double cautious_chance = 0.1;
-
-double log_chance(std::size_t factor, double right) {
-  const double between = chance_between * (factors.size() - 2);
-  return std::log(factor == 0 ? right : factor + 1 < factors.size() ? chance_between : 1 - right - between);
-}
 
 /// Nothing is known better than to this share of its `sigma`: keeps the mixture's covariance regular.
 constexpr double least_sigma = 1e-4;
@@ -45,31 +31,34 @@ Component component_of(const Eigen::MatrixXd& H, const Eigen::VectorXd& h, const
           size.asDiagonal() * llt.solve(Eigen::MatrixXd::Identity(count, count)) * size.asDiagonal()};
 }
 
-/// Every combination of factors of the groups.
+/// Every combination of the groups' sizes.
 std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eigen::MatrixXd& H,
                                      const Eigen::VectorXd& h) {
-  const int groups = 1 + *std::max_element(evidence.group.begin(), evidence.group.end());
+  std::vector<std::size_t> groups;  // that have deviations
+  for (std::size_t g = 0; g < evidence.sizes.size(); ++g) {
+    if (std::ranges::count(evidence.group, static_cast<int>(g)) > 0) groups.push_back(g);
+  }
   std::vector<Component> list;
-  std::vector<std::size_t> choice(static_cast<std::size_t>(groups), 0);
+  std::vector<std::size_t> choice(evidence.sizes.size(), 0);
   for (bool more = true; more;) {
     Eigen::VectorXd size = Eigen::VectorXd::Ones(h.size());
     for (Eigen::Index i = 0; i < size.size(); ++i) {
       const int group = evidence.group[static_cast<std::size_t>(i)];
-      if (group >= 0) size(i) = factors[choice[static_cast<std::size_t>(group)]];
+      if (group < 0) continue;
+      const auto g = static_cast<std::size_t>(group);
+      size(i) = evidence.sizes[g][choice[g]].factor;
     }
     Component component = component_of(H, h, size);
-    for (std::size_t group = 0; group < choice.size(); ++group) {
-      component.log_weight += log_chance(choice[group], evidence.right[group]);
-      component.log_cautious += log_chance(choice[group], cautious_chance);
+    for (const std::size_t g : groups) {
+      component.log_weight += std::log(evidence.sizes[g][choice[g]].chance);
+      component.log_cautious += std::log(evidence.sizes[g][choice[g]].cautious);
     }
     list.push_back(std::move(component));
     more = false;
-    for (std::size_t& c : choice) {
-      if (++c < factors.size()) {
-        more = true;
-        break;
-      }
-      c = 0;
+    for (const std::size_t g : groups) {
+      more = ++choice[g] < evidence.sizes[g].size();
+      if (more) break;
+      choice[g] = 0;
     }
   }
   return list;

@@ -13,27 +13,32 @@ struct NuisancePrior {
   Eigen::VectorXd pull;         ///< b
 };
 
+/// How far off the given values of a group may be.
+struct NuisanceSize {
+  double factor = 0;    ///< on the deviations' `sigma`; 0: they are right
+  double chance = 0;    ///< of this factor before the views were asked, for the mean..
+  double cautious = 0;  ///< ..and for the covariance
+};
+
 /// What the views say of the deviations that are not held, everything else marginalised: 1/2 d'Hd - h'd.
 struct NuisanceEvidence {
-  std::vector<int> index;  ///< which deviations these are..
-  Eigen::Index size = 0;   ///< ..of so many
+  static constexpr int as_given = -1;  ///< a group that has exactly `sigma`, whatever the views show
+  std::vector<int> index;              ///< which deviations these are..
+  Eigen::Index size = 0;               ///< ..of so many
   Eigen::MatrixXd H;
   Eigen::VectorXd h;
-  Eigen::VectorXd sigma;      ///< the largest standard deviations thought of, > 0
-  std::vector<int> group;     ///< of each deviation: those of one group are all as far off as each other; -1:
-                              ///< exactly `sigma`, whatever the views show
-  std::vector<double> right;  ///< by group: the chance that its given values are right, for the mean
+  Eigen::VectorXd sigma;   ///< the largest standard deviations thought of, > 0
+  std::vector<int> group;  ///< of each deviation: those of one group are all as far off as each other
+  std::vector<std::vector<NuisanceSize>> sizes;  ///< by group
 };
 
 /// Given values may be right, or off by up to a pixel: holding right ones loosely costs up to half of the
 /// answer's precision, holding wrong ones tightly ruins it. So nothing is decided: every group's deviations
-/// have `sigma` times an unknown factor: 0 (all given values are right), 1/32 .. 1/2, or 1. The views weigh
-/// the factors by how probable these make them, and the mixture's mean and covariance of the deviations are
-/// the answer: it comes as the Gaussian prior under which the views give just these. The mean takes given
-/// values for right with a chance that belongs to the group. The covariance (about that mean) does so with a
-/// chance of 0.1: it must be true of wrong ones. Few views tell little about the factors, and `sigma` holds;
-/// where many find the given values right to a fraction of it, they are believed; where they contradict them,
-/// the small factors vanish.
+/// have `sigma` times an unknown factor. The views weigh the factors by how probable these make them, and the
+/// mixture's mean and covariance of the deviations (about that mean) are the answer: it comes as the Gaussian
+/// prior under which the views give just these. Few views tell little about the factors, and what was thought
+/// before holds; where many find the given values right to a fraction of `sigma`, they are believed; where
+/// they contradict them, the small factors vanish. Costs time with the product of the groups' sizes.
 NuisancePrior weigh_nuisances(const NuisanceEvidence& evidence);
 
 }  // namespace ca2

@@ -126,13 +126,6 @@ std::vector<double> PlateRims::center_offsets(const JointState& state,
   return offsets;
 }
 
-double PlateRims::freedom_gain(const JointState& state, std::span<const std::size_t> used) const {
-  double sum = 0;
-  for (std::size_t l = 0; l < noise_.size(); ++l)
-    sum += ca2::freedom_gain(all_seen(state, used, l), state.dilation[l], noise_[l].blur, slack_);
-  return sum;
-}
-
 std::vector<double> PlateRims::lens_gains(const JointState& state, std::span<const std::size_t> used,
                                           const RimFreedom& free, std::span<const double> radii) const {
   std::vector<double> gains(noise_.size(), 0);

@@ -43,8 +43,6 @@ class PlateRims {
 
   /// By LiDAR, m: JointAnswer::outline_offset.
   std::vector<double> center_offsets(const JointState& state, std::span<const std::size_t> used) const;
-  /// See `freedom_gain`, of all LiDARs.
-  double freedom_gain(const JointState& state, std::span<const std::size_t> used) const;
   /// By LiDAR: see `lens_gain`, for lenses `radii` [m] in front of the axes; 0 where that is 0.
   std::vector<double> lens_gains(const JointState& state, std::span<const std::size_t> used,
                                  const RimFreedom& free, std::span<const double> radii) const;

@@ -27,11 +27,6 @@ double gain(const RimErrors& first, const RimErrors& second) {
 
 }  // namespace
 
-double freedom_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack) {
-  const RimResiduals residuals = rim_residuals(some_of(views), dilation, blur, slack);
-  return gain(fitted_errors(residuals, {}), fitted_errors(residuals, rim_freedom));
-}
-
 double lens_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack,
                  const RimFreedom& free, double radius) {
   const std::vector<EdgeView> some = some_of(views);

@@ -11,21 +11,14 @@
 
 namespace ca2 {
 
-/// A plate is as large as stated, is seen too large by an angle only, and its rims lie in the plane of its
-/// print. Real ones are some 20 mm thick, so that their rims lie behind the print by half of that, and are
-/// seen too large by half the width that beams have where they leave the LiDAR. Left open from the start
-/// this costs three views a third of their accuracy.
-///
-/// How much more probable (natural logarithm of the ratio) rims are with these free. The LiDAR's pose and the
-/// dilation's angle are fitted to the rims either way. 0 where too few rims are seen to tell.
-double freedom_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack);
-/// The odds from which on it is believed, logarithm: a thousand to one.
-inline constexpr double convincing_freedom_gain = 6.9;
-/// And what is known of them then.
+/// What is known of rims: real plates are some 20 mm thick, so that their rims lie behind the print by half
+/// of that, and are seen too large by half the width that beams have where they leave the LiDAR. Thin ones
+/// and beams that begin as points are believed as far as the views do, see NuisanceEvidence.
 inline constexpr RimFreedom rim_freedom{0.005, 0.01};
 
-/// The same for beams that begin in a lens `radius` [m] in front of the axis instead of where the points have
-/// them, with `free` as found.
+/// How much more probable (natural logarithm of the ratio) rims are if beams begin in a lens `radius` [m] in
+/// front of the axis instead of where the points have them, with `free` as found. The LiDAR's pose and the
+/// dilation's angle are fitted to the rims either way. 0 where too few rims are seen to tell.
 double lens_gain(std::span<const EdgeView> views, const Dilation& dilation, double blur, double slack,
                  const RimFreedom& free, double radius);
 

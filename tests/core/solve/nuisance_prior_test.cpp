@@ -16,7 +16,8 @@ NuisanceEvidence measured(const Eigen::VectorXd& deviation, double precision) {
   evidence.index = {0, 1, 2, 3, 4};
   evidence.size = 5;
   evidence.group = {0, 0, 0, 0, 1};
-  evidence.right = {0.5, 0.3};
+  for (const double right : {0.5, 0.3})
+    evidence.sizes.push_back({{0, right, 0.1}, {0.25, 0.1, 0.1}, {1, 0.9 - right, 0.8}});
   evidence.sigma = (Eigen::VectorXd(5) << 3.5, 3.5, 1, 1, 0.012).finished();
   evidence.H = (precision * evidence.sigma).cwiseAbs2().cwiseInverse().asDiagonal();
   evidence.h = evidence.H * evidence.sigma.cwiseProduct(deviation);
@@ -60,7 +61,7 @@ TEST(NuisancePrior, OneGroupMayBeRightAndTheOtherWrong) {
 TEST(NuisancePrior, NoViewsLeaveWhatWasBelievedBefore) {
   const Posterior found = posterior(measured(Eigen::VectorXd::Zero(5), 1e3));
   // Most of the chance is on 1, and little on what lies between.
-  for (int i = 0; i < 5; ++i) EXPECT_NEAR(found.sigma(i), std::sqrt(0.8 + 0.02 / 3), 0.01) << i;
+  for (int i = 0; i < 5; ++i) EXPECT_NEAR(found.sigma(i), std::sqrt(0.8 + 0.1 / 16), 0.01) << i;
 }
 
 TEST(NuisancePrior, ErrorsAreAsTheCovarianceSaysWhetherRightOrWrong) {

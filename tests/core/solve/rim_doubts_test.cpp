@@ -1,5 +1,4 @@
-/// Rims of thick plates, seen by wide beams or through a lens: what the doubts make of them, and of those of
-/// which nothing need be doubted.
+/// Rims seen by beams that begin in a lens or on the axis: which of both they are told to be.
 #include "core/solve/rim_doubts.h"
 
 #include <gtest/gtest.h>
@@ -34,20 +33,12 @@ struct Holds {
     for (std::size_t i = 0; i < poses.size(); ++i) views.push_back({crossings[i], test_plate, poses[i]});
   }
 
-  double freedom() const { return freedom_gain(views, {how_wide, 0}, 0, slack); }
   double lens() const { return lens_gain(views, {how_wide, 0}, 0, slack, {}, 0.04); }
   static constexpr double how_wide = 0.001;  // rad
 };
 
-TEST(RimDoubts, ThinPlatesAreBelieved) {
-  const Holds holds(10, {.dilation = {0.001, 0}});
-  EXPECT_LT(holds.freedom(), 1);
-  EXPECT_LT(holds.lens(), -20);
-}
-
-TEST(RimDoubts, ThickPlatesAndWideBeamsAreNot) {
-  EXPECT_GT(Holds(10, {.dilation = {0.001, 0}, .depth = 0.008}).freedom(), convincing_freedom_gain);
-  EXPECT_GT(Holds(10, {.dilation = {0.001, 0.006}}).freedom(), convincing_freedom_gain);
+TEST(RimDoubts, BeamsThatBeginOnTheAxisAreBelieved) {
+  EXPECT_LT(Holds(10, {.dilation = {0.001, 0}}).lens(), -20);
 }
 
 TEST(RimDoubts, BeamsThatBeginInTheLensAreTold) {
@@ -55,9 +46,7 @@ TEST(RimDoubts, BeamsThatBeginInTheLensAreTold) {
 }
 
 TEST(RimDoubts, FewRimsTellNothing) {
-  EXPECT_EQ(Holds(2, {.dilation = {0.001, 0.006}, .depth = 0.008, .lens = 0.04}).freedom(), 0);
   EXPECT_EQ(Holds(2, {.lens = 0.04}).lens(), 0);
-  EXPECT_EQ(Holds(0, {}).freedom(), 0);
   EXPECT_EQ(Holds(0, {}).lens(), 0);
 }
 

@@ -131,7 +131,7 @@ TEST(Convergence, CamerasThatDisagreeWidenTheirOwnShareOnly) {
     return note.find("the cameras disagree") != std::string::npos;
   }));
   const auto variance = [](const Calibration& answer) { return answer.transforms[0].covariance.trace(); };
-  EXPECT_LT(variance(*shaken), 1.5 * variance(*plain));
+  EXPECT_LT(variance(*shaken), 1.6 * variance(*plain));
 }
 
 }  // namespace
