@@ -276,7 +276,7 @@ class Solver {
     if (!rims_.any(active_)) return;
     JointAnswer without = answer_;
     for (const double slack : rim_slacks) {
-      if (slack == rim_slacks.back()) input_.rim_freedom = rim_freedom;
+      if (slack != rim_slacks.front()) input_.rim_freedom = rim_freedom;
       look_at_rims(slack);
       if (slack == rim_slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);

@@ -70,7 +70,8 @@ bool near_plate(const Solid& plate, const LidarNoise& noise, const Eigen::Vector
   const Eigen::Vector3d d = plate.T_rig_solid.R.transpose() * direction;
   const auto t = plate.plate.meet(o, d);
   if (!t || *t <= 0) return false;
-  const double footprint_radius = *t * noise.divergence / 2 / std::max(0.05, std::abs(d.z()));
+  const double footprint_radius =
+      (*t * noise.divergence + noise.beam_width) / 2 / std::max(0.05, std::abs(d.z()));
   return plate.plate.contains((o + *t * d).head<2>(), -footprint_radius);
 }
 
@@ -82,9 +83,9 @@ std::optional<Echo> cone_echo(const Scene& scene, const LidarNoise& noise, const
   const Eigen::Vector3d u = direction.unitOrthogonal(), v = direction.cross(u);
   static const auto samples = footprint();
   for (const Eigen::Vector2d& sample : samples) {
-    const Eigen::Vector2d offset = noise.divergence / 2 * sample;
-    const Eigen::Vector3d part = (direction + offset.x() * u + offset.y() * v).normalized();
-    const SolidHit part_hit = scene.cast(origin, part);
+    const Eigen::Vector3d across = 0.5 * (sample.x() * u + sample.y() * v);
+    const Eigen::Vector3d part = (direction + noise.divergence * across).normalized();
+    const SolidHit part_hit = scene.cast(origin + noise.beam_width * across, part);
     if (part_hit.solid >= 0) echoes[count++] = echo_of(scene, part_hit, part);
     one_surface = one_surface && part_hit.surface() == axis.surface();
   }

@@ -66,7 +66,7 @@ std::optional<Matrix6d> cramer_rao(const Scenario& scenario, const Rig& rig,
     state.T_ref_lidar.push_back(T_ref_rig * scenario.T_rig_sensor(name));
     state.range_bias.push_back(0);
     state.range_slope.push_back(0);
-    state.dilation.push_back({dilation_per_divergence * noise.divergence, 0});
+    state.dilation.push_back({dilation_per_width * noise.divergence, dilation_per_width * noise.beam_width});
     input.edge_sway.push_back(0);
   }
   for (const SimulatedView& view : views) {

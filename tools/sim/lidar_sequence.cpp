@@ -22,11 +22,12 @@ class MovingSpheres {
     }
   }
 
-  bool touched(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double divergence) const {
+  bool touched(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
+               const LidarNoise& noise) const {
     for (std::size_t i = 0; i < centers_.size(); ++i) {
       const Eigen::Vector3d to = centers_[i] - origin;
       const double along = to.dot(direction);
-      const double reach = radii_[i] + divergence * to.norm() + 0.01;
+      const double reach = radii_[i] + noise.divergence * to.norm() + noise.beam_width + 0.01;
       if (along > -reach && to.squaredNorm() - along * along < reach * reach) return true;
     }
     return false;
@@ -118,7 +119,7 @@ EncoderScan LidarSequence::scan(double start, double azimuth) {
       for (int column = first; column < last; ++column) {
         const std::size_t i = static_cast<std::size_t>(ring) * columns + static_cast<std::size_t>(column);
         ray(i, origin, direction);
-        if (!spheres.touched(origin, direction, lidar_.noise.divergence)) continue;
+        if (!spheres.touched(origin, direction, lidar_.noise)) continue;
         moving[i] = 1;
         const SolidHit hit = scene.cast(origin, direction, indices);
         if (hit.solid >= 0 && (hits[i].solid < 0 || hit.distance < hits[i].distance)) hits[i] = hit;

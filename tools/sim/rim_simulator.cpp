@@ -32,7 +32,6 @@ RimSimulator::RimSimulator(const SimulatedLidar& lidar, const Pose& T_lidar_boar
 }
 
 bool RimSimulator::answers(const BeamRay& ray) const {
-  const double dilation = dilation_per_divergence * lidar_.noise.divergence;
   const double w = 0.5 * plate_.outline.width, h = 0.5 * plate_.outline.height;
   const Eigen::Vector2d corners[]{{w, h}, {w, -h}, {-w, -h}, {-w, h}};
   for (std::size_t i = 0; i < 4; ++i) {
@@ -40,8 +39,9 @@ bool RimSimulator::answers(const BeamRay& ray) const {
       const Eigen::Vector2d p = plate_.outline.center + corner;
       return Eigen::Vector3d(T_lidar_board_ * Eigen::Vector3d(p.x(), p.y(), plate_.height(p)) - ray.origin);
     };
-    const Eigen::Vector3d outwards = end(corners[i]).cross(end(corners[(i + 1) % 4])).normalized();
-    if (outwards.dot(ray.direction) > std::sin(dilation)) return false;
+    const Eigen::Vector3d a = end(corners[i]), b = end(corners[(i + 1) % 4]);
+    const double width = lidar_.noise.divergence + lidar_.noise.beam_width / (0.5 * (a + b)).norm();
+    if (a.cross(b).normalized().dot(ray.direction) > std::sin(dilation_per_width * width)) return false;
   }
   return true;
 }

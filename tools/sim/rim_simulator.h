@@ -10,10 +10,10 @@
 
 namespace ca2 {
 
-/// Share of the beam's full divergence by which a plate looks too large all round: what stands behind a rim
-/// is farther away and answers more weakly, so that a beam with less than half of its width on the plate
-/// returns the plate.
-inline constexpr double dilation_per_divergence = 0.35;
+/// Share of the beam's full width by which a plate looks too large all round: what stands behind a rim is
+/// farther away and answers more weakly, so that a beam with less than half of its width on the plate returns
+/// the plate.
+inline constexpr double dilation_per_width = 0.35;
 
 /// Where on the z axis a ring's beams seem to begin, m: their nearest place to it. A scan shows it as
 /// Projection::height.

@@ -28,6 +28,7 @@ struct LidarNoise {
   double range_bias = 0;             ///< m, measured minus true, of every return
   double reflectivity_bias = 0;      ///< m, further bias of a return from a black surface
   double divergence = 0.002;         ///< rad, full angle of the beam
+  double beam_width = 0;             ///< m, of the beam where it leaves the LiDAR
   double pulse_length = 0.3;         ///< m: surfaces nearer to each other than this blend into one return
   double dropout = 0.005;            ///< share of returns that are lost
   double intensity_sigma = 0.05;     ///< relative

@@ -242,6 +242,7 @@ class ScenarioParser {
                      {"range_bias", -1, 1, &noise.range_bias},
                      {"reflectivity_bias", -1, 1, &noise.reflectivity_bias},
                      {"divergence", 0, 0.1, &noise.divergence},
+                     {"beam_width", 0, 0.1, &noise.beam_width},
                      {"pulse_length", 0, 10, &noise.pulse_length},
                      {"dropout", 0, 1, &noise.dropout},
                      {"intensity_sigma", 0, 1, &noise.intensity_sigma}},
