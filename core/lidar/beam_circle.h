@@ -1,11 +1,10 @@
 /// @file The circle on which the beams of a spinning LiDAR begin.
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <optional>
 #include <span>
-
-#include <Eigen/Core>
 
 #include "core/lidar/scan_grid.h"
 

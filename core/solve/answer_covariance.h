@@ -11,4 +11,8 @@ namespace ca2 {
 /// `views` in use moves it by. Infinite where something is not determined. `problem`: linearised at `state`.
 void add_covariance(JointAnswer& answer, JointProblem& problem, const JointState& state, std::size_t views);
 
+/// Is it out of the question that rims lie in the print's plane and are seen too large by an angle only?
+/// `state`: the answer's, of the views in use.
+bool rims_lie_off(const JointAnswer& answer, const JointProblem& problem, const JointState& state);
+
 }  // namespace ca2

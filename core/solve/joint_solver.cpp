@@ -407,17 +407,7 @@ class Solver {
     // Disagreement beyond what chance explains is made up for in the covariance; chance itself is not.
     answer_.variance_factor = misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom);
     add_covariance(answer_, *problem_, active, active_.size());
-    answer_.rims_off = rims_.in_use() && rims_are_off(active);
-  }
-
-  /// Is a thousand to one against it that rims lie in the print's plane and are seen too large by an angle
-  /// only?
-  bool rims_are_off(const JointState& active) const {
-    const auto off = [&](double value, int i) { return value * value > 13.8 * answer_.covariance(i, i); };
-    bool any = off(active.rim_depth, problem_->rim_depth_index());
-    for (std::size_t l = 0; l < lidars_; ++l)
-      any = any || off(active.dilation[l].margin, problem_->margin_index(static_cast<int>(l)));
-    return any;
+    answer_.rims_off = rims_.in_use() && rims_lie_off(answer_, *problem_, active);
   }
 
   const InkMap ink_;
