@@ -54,7 +54,7 @@ void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t 
           Rings rings = Rings::usual);
 
 /// Makes one of pieces that go on in each other across a gap of a few squares, so far apart as no lattice
-/// grows where single corners cannot be told: the first of them has all corners then, the others are gone.
-void merge_pieces(std::vector<Lattice>& pieces);
+/// grows where single corners cannot be told. Only what is made of several is returned.
+std::vector<Lattice> merged_pieces(std::vector<Lattice> pieces);
 
 }  // namespace ca2

@@ -110,8 +110,10 @@ std::optional<Renumbering> numbered_as(const Lattice& a, const Lattice& b) {
 
 }  // namespace
 
-void merge_pieces(std::vector<Lattice>& pieces) {
+std::vector<Lattice> merged_pieces(std::vector<Lattice> pieces) {
+  std::vector<Lattice> merged;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const std::size_t before = pieces.size();
     for (std::size_t k = i + 1; k < pieces.size();) {
       const auto as = numbered_as(pieces[i], pieces[k]);
       if (!as) {
@@ -125,7 +127,9 @@ void merge_pieces(std::vector<Lattice>& pieces) {
       pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(k));
       k = i + 1;  // the larger piece reaches further
     }
+    if (pieces.size() < before) merged.push_back(pieces[i]);
   }
+  return merged;
 }
 
 }  // namespace ca2

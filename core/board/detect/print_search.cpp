@@ -208,8 +208,7 @@ std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, 
   const std::vector<Saddle> saddles = strongest_saddles(levels, Rings::small);
   const auto printed = printed_squares(board, print);
   const auto most = static_cast<std::size_t>(2 * board.columns * board.rows + 40);
-  std::vector<Lattice> pieces = connected_lattices(saddles, link_neighbours(levels, saddles), 4, most_pieces);
-  const auto place_any = [&]() -> std::vector<Corner> {
+  const auto place_any = [&](std::vector<Lattice>& pieces) -> std::vector<Corner> {
     for (Lattice& piece : pieces) {
       grow(levels, piece, most, Rings::small);
       if (piece.size() < least_corners || piece.size() > most) continue;
@@ -218,11 +217,11 @@ std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, 
     }
     return {};
   };
-  if (std::vector<Corner> corners = place_any(); !corners.empty()) return corners;
+  std::vector<Lattice> pieces = connected_lattices(saddles, link_neighbours(levels, saddles), 4, most_pieces);
+  if (std::vector<Corner> corners = place_any(pieces); !corners.empty()) return corners;
   // Squares of 10 px and less leave a board in pieces, of which none shows enough of the print.
-  const std::size_t before = pieces.size();
-  merge_pieces(pieces);
-  return pieces.size() < before ? place_any() : std::vector<Corner>{};
+  std::vector<Lattice> merged = merged_pieces(std::move(pieces));
+  return place_any(merged);
 }
 
 }  // namespace ca2
