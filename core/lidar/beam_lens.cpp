@@ -1,6 +1,5 @@
 #include "core/lidar/beam_lens.h"
 
-#include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>

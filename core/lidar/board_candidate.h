@@ -30,7 +30,7 @@ struct BoardCandidate {
   double rms = 0;                       ///< m, of the `returns`' distances along the ray to the plane
   std::vector<EdgeCrossing> crossings;  ///< of the plate's rim; none where the board has no outline
   std::vector<float> beam_height;       ///< m, by ring: Projection::height; empty: the scan has no rings
-  /// By return of the scan, Projection::found_ring; null: those that the scan names. Shared by candidates.
+  /// By return of the scan, Projection::found_ring; null: those that the scan names.
   std::shared_ptr<const std::vector<std::uint16_t>> found_ring;
   double score = 0;  ///< 0..1: how much it looks like the board; only ranks candidates
   std::string why;   ///< what speaks for and against it, for the report

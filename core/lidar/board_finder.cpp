@@ -68,9 +68,6 @@ std::vector<BoardCandidate> BoardFinder::find(const Scan& scan) {
     if (auto candidate = judge_look(context, look)) judged.push_back(*std::move(candidate));
   }
   sort_by_score(judged);
-  std::shared_ptr<const std::vector<std::uint16_t>> found_ring;
-  if (!projection.found_ring.empty() && !judged.empty())
-    found_ring = std::make_shared<const std::vector<std::uint16_t>>(projection.found_ring);
   for (BoardCandidate& candidate : judged) {
     if (static_cast<int>(kept.size()) >= options_.max_candidates) break;
     if (taken(found_at, {candidate.T_lidar_board.t, candidate.plane.normal}, short_side)) continue;
@@ -81,7 +78,7 @@ std::vector<BoardCandidate> BoardFinder::find(const Scan& scan) {
     }
     if (projection.beams) {
       candidate.beam_height = projection.height;
-      candidate.found_ring = found_ring;
+      candidate.found_ring = projection.found_ring;
     }
     kept.push_back(std::move(candidate));
   }

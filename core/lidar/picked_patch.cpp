@@ -145,8 +145,7 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   }
   if (projection.beams) {
     candidate.beam_height = projection.height;
-    if (!projection.found_ring.empty())
-      candidate.found_ring = std::make_shared<const std::vector<std::uint16_t>>(projection.found_ring);
+    candidate.found_ring = projection.found_ring;
   }
   candidate.score = static_cast<double>(inliers.size()) / static_cast<double>(patch.size());
   candidate.why = "picked by hand: " + std::to_string(inliers.size()) + " of " +

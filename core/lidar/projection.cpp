@@ -148,7 +148,9 @@ Projection project_by_id(const Scan& scan, Projection spare) {
   out.beams = rings.beams;
   if (!fill_one_per_cell(scan, rings, columns, out)) fill_many_per_cell(scan, rings, columns, out);
   fit_cones(scan, out);
-  out.found_ring = std::move(rings.found);
+  out.found_ring.reset();
+  if (!rings.found.empty())
+    out.found_ring = std::make_shared<const std::vector<std::uint16_t>>(std::move(rings.found));
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -36,9 +37,9 @@ struct Projection {
   std::vector<float> height;      ///< m, per ring: where its beams start (they need
                                   ///< not pass the origin)
   std::vector<int> by_elevation;  ///< rings that have returns, lowest first
-  /// By return, RingIds::none for those without a place; empty: the scan's own. Rings that were found are
-  /// counted in this scan: another one's may have other numbers.
-  std::vector<std::uint16_t> found_ring;
+  /// By return, RingIds::none for those without a place; null: the scan's own. Rings that were found are
+  /// counted in this scan: another one's may have other numbers. Candidates share it.
+  std::shared_ptr<const std::vector<std::uint16_t>> found_ring;
 
   static constexpr std::uint32_t none = 0xffffffff;
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/lidar/beam_lens.h"
-#include "core/solve/rim_doubts.h"
+#include "core/solve/lens_evidence.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -57,13 +57,22 @@ double lens_to_ask_for(const RigLidar& lidar, const std::vector<ViewSights>& vie
   return beam_lens_radius(elevations);
 }
 
-/// The views that are used, or about so many of them, evenly.
-std::vector<bool> some_used(const std::vector<JointViewOutcome>& views, std::size_t most) {
-  const auto used = static_cast<std::size_t>(std::ranges::count_if(views, &JointViewOutcome::used));
+/// The views of which nothing is left but those in use, or about `most` of them, evenly.
+std::vector<ViewSights> some_used(const std::vector<ViewSights>& views,
+                                  const std::vector<JointViewOutcome>& outcomes, std::size_t most) {
+  const auto used = static_cast<std::size_t>(std::ranges::count_if(outcomes, &JointViewOutcome::used));
   const std::size_t step = 1 + (used - std::min<std::size_t>(used, 1)) / most;
-  std::vector<bool> some;
+  std::vector<ViewSights> some;
   std::size_t count = 0;
-  for (const JointViewOutcome& view : views) some.push_back(view.used && count++ % step == 0);
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const bool asked = outcomes[v].used && count++ % step == 0;
+    const std::size_t cameras = views[v].cameras.size(), lidars = views[v].lidars.size();
+    some.push_back(asked ? views[v]
+                         : ViewSights{views[v].id,
+                                      decltype(ViewSights::cameras)(cameras),
+                                      decltype(ViewSights::lidars)(lidars),
+                                      {}});
+  }
   return some;
 }
 
@@ -94,10 +103,16 @@ LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& camera
   };
   LensedAnswer found{solved(views), std::vector<LensVerdict>(count)};
   const std::vector<double> radii = std::exchange(options.lens_radius, {});
-  options.rims = false;
   const auto gain_of = [&](std::size_t l, std::size_t most) {
-    options.misfits_of = some_used(found.answer.views, most);
-    return planes_gain(found.answer.plane_misfits, solved(through_lens(views, l, radii[l])).plane_misfits);
+    const std::vector<ViewSights> asked =
+        through_lens(some_used(views, found.answer.views, most), l, radii[l]);
+    RigSeed of_asked = seed;
+    for (std::size_t v = 0; v < asked.size(); ++v) {
+      for (std::size_t i = 0; i < count; ++i)
+        if (asked[v].lidars[i].empty()) of_asked.chosen[v][i] = -1;
+    }
+    return planes_gain(found.answer.plane_misfits,
+                       plane_misfits(rig.board, cameras, static_cast<int>(count), asked, of_asked, options));
   };
   for (std::size_t l = 0; l < count && !stopped(); ++l) {
     if (!(radii[l] > 0) || !leaves_lens_out(views, l, radii[l])) continue;
@@ -107,8 +122,6 @@ LensedAnswer solve_with_lenses(const Rig& rig, const std::vector<Camera>& camera
     if (!found.answer.lens_gain.empty()) gain += found.answer.lens_gain[l];
     found.lenses[l] = {gain > 0, radii[l], 1 / (1 + std::exp(std::abs(gain)))};
   }
-  options.rims = true;
-  options.misfits_of.clear();
   if (std::any_of(found.lenses.begin(), found.lenses.end(), [](const LensVerdict& l) { return l.taken; }))
     found.answer = solved(seen_through(views, found.lenses, none));
   for (std::size_t l = 0; l < count; ++l) {

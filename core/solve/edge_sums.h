@@ -31,6 +31,11 @@ struct RimFreedom {
   double depth = 0;   ///< m: of how far along the boards' z axes the rims lie, behind the print
 };
 
+/// What is known of rims: real plates are some 20 mm thick, so that their rims lie behind the print by half
+/// of that, and are seen too large by half the width that beams have where they leave the LiDAR. Thin ones
+/// and beams that begin as points are believed as far as the views do, see NuisanceEvidence.
+inline constexpr RimFreedom rim_freedom{0.005, 0.01};
+
 /// How well a LiDAR tells where a rim is, beside the gap between its rays.
 struct EdgeNoise {
   double blur = 0;    ///< rad: a ray is trusted to within this (the beam's width, its encoder)

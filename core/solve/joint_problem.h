@@ -49,12 +49,11 @@ struct JointInput {
   double prior_bias = 0;                  ///< sigma of a LiDAR's range bias, m; 0 holds it at 0
   std::vector<double> prior_range_slope;  ///< by LiDAR: sigma of the slope of its range errors, m; 0 holds it
   double prior_dilation = 0;  ///< sigma of the angle by which a LiDAR sees plates too large, rad; 0 holds it
-  RimFreedom rim_freedom;     ///< all held, unless rims said otherwise
+  RimFreedom rim_freedom;     ///< all held where rims take no part
   std::vector<double> edge_sway;     ///< by LiDAR: EdgeNoise::sway, m
   std::vector<double> corner_scale;  ///< by camera: true over stated standard deviation of the corners
-  /// Takes the place of the priors on intrinsics, stretch and range biases that are not held: deviations from
-  /// the given intrinsics (the free ones of every camera), the stretch (2, where unknown) and the biases (1
-  /// per LiDAR), in this order.
+  /// Takes the place of the priors on intrinsics, stretch, range biases and rims' freedom that are not held:
+  /// of the globals from the first camera's intrinsics on, as deviations from what was given.
   std::optional<NuisancePrior> nuisances;
   double corner_reach = 3e-6;  ///< corners are projected anew where a board moved further, see CornerField
   double corner_huber = 3;     ///< whitened corner error from which the cost grows linearly
@@ -125,8 +124,8 @@ class JointProblem {
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
   /// What the views at the state last linearised, the minimum, say of the deviations that have a prior:
-  /// stated intrinsics, their distortion, the print's stretch and the range biases are a group each. Nothing
-  /// where they are all held or the views determine nothing without them.
+  /// stated intrinsics, their distortion, the print's stretch, the range biases and the rims' freedom are a
+  /// group each. Nothing where they are all held or the views determine nothing without them.
   std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
 
   /// One view's share of `information()` and of the marginal gradient, at the state last linearised: what
@@ -161,8 +160,8 @@ class JointProblem {
   DenseNormalEquations total_;  ///< of all views
 };
 
-/// The priors on intrinsics, stretch and range biases: as the input has them, or weighed by what the views
-/// show.
+/// The priors on intrinsics, stretch, range biases and rims' freedom: as the input has them, or weighed by
+/// what the views show.
 enum class Priors { as_given, weighed };
 
 /// Minimises; where they are to be `weighed`, weighs the priors by what the views show

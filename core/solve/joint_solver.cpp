@@ -10,11 +10,11 @@
 #include "core/solve/answer_covariance.h"
 #include "core/solve/corner_doubts.h"
 #include "core/solve/corner_noise.h"
+#include "core/solve/lens_evidence.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/plate_rims.h"
 #include "core/solve/range_noise.h"
 #include "core/solve/rim_conflict.h"
-#include "core/solve/rim_doubts.h"
 #include "core/solve/shared_error.h"
 #include "core/solve/view_use.h"
 
@@ -72,20 +72,29 @@ class Solver {
     state_.dilation.resize(lidars_);
     for (std::size_t l = 0; l < lidars_; ++l) {
       std::vector<int> chosen;
-      for (std::size_t v = 0; v < views.size(); ++v)
-        chosen.push_back(options.misfits_of.empty() || options.misfits_of[v] ? seed.chosen[v][l] : -1);
+      for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
       returns_.emplace_back(views, l, chosen, ink_);
     }
     corners_ = settled_corners(views, seed, static_cast<int>(input_.board_corners.size()));
     state_.T_ref_board = seeded_boards(views, seed);
+    for (std::size_t v = 0; v < views.size(); ++v) note_usability(v);
   }
 
   JointAnswer run() {
-    for (std::size_t v = 0; v < views_.size(); ++v) note_usability(v);
     if (answer_.by_rims) {
-      if (options_.rims) solve_by_rims();
+      solve_by_rims();
       return std::move(answer_);
     }
+    answer_.plane_misfits = plane_misfits(Disagreeing::dropped);
+    if (!stopping()) explain_misfit();
+    if (!stopping()) finish(Priors::weighed);
+    if (!stopping()) add_edges();
+    return std::move(answer_);
+  }
+
+  enum class Disagreeing { kept, dropped };  ///< views that disagree with the others
+  /// By view, zero where not used. Returns, noise and views are settled then.
+  std::vector<Misfit> plane_misfits(Disagreeing views) {
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve();
     estimate_corner_noise();
@@ -94,14 +103,10 @@ class Solver {
     estimate_corner_noise();
     solve_and_judge();
     if (!stopping()) question_corners();
-    while (options_.misfits_of.empty() && !stopping() && drop_worst()) solve_and_judge();
-    for (const JointViewOutcome& view : answer_.views)
-      answer_.plane_misfits.push_back(view.used ? view.misfit : Misfit{});
-    if (!options_.misfits_of.empty()) return std::move(answer_);
-    if (!stopping()) explain_misfit();
-    if (!stopping()) finish(Priors::weighed);
-    if (options_.rims && !stopping()) add_edges();
-    return std::move(answer_);
+    while (views == Disagreeing::dropped && !stopping() && drop_worst()) solve_and_judge();
+    std::vector<Misfit> misfits;
+    for (const JointViewOutcome& view : answer_.views) misfits.push_back(view.used ? view.misfit : Misfit{});
+    return misfits;
   }
 
  private:
@@ -110,7 +115,7 @@ class Solver {
     const auto cameras = std::ranges::count_if(corners_[v], [](const auto& seen) { return !seen.empty(); });
     const auto lidars =
         std::ranges::count_if(answer_.chosen[v], [](int hypothesis) { return hypothesis >= 0; });
-    outcome.used = cameras + lidars >= 2 && (options_.misfits_of.empty() || options_.misfits_of[v]);
+    outcome.used = cameras + lidars >= 2;
     if (!outcome.used) outcome.reason = why_unusable(views_[v]);
   }
 
@@ -433,6 +438,13 @@ JointAnswer solve_joint(const Board& board, const std::vector<Camera>& cameras, 
                         const std::vector<ViewSights>& views, const RigSeed& seed,
                         const JointOptions& options) {
   return Solver(board, cameras, lidars, views, seed, options).run();
+}
+
+std::vector<Misfit> plane_misfits(const Board& board, const std::vector<Camera>& cameras, int lidars,
+                                  const std::vector<ViewSights>& views, const RigSeed& seed,
+                                  const JointOptions& options) {
+  if (seed.by_rims) return {};
+  return Solver(board, cameras, lidars, views, seed, options).plane_misfits(Solver::Disagreeing::kept);
 }
 
 }  // namespace ca2

@@ -25,11 +25,7 @@ struct JointOptions {
   DoubtPriors doubt_priors;  ///< of what is believed until the corners contradict it
   std::vector<RelativePrior> relative;
   std::vector<double> lens_radius;  ///< by LiDAR, m, see `lens_gain`; 0 or empty: nothing to ask
-  bool rims = true;                 ///< false: planes alone
-  /// Where not empty, by view: of the answer only `plane_misfits` is asked for, of these views however large
-  /// they are; nothing else in it means anything.
-  std::vector<bool> misfits_of;
-  std::stop_token stop = {};  ///< once this is asked for it gives up soon, and the answer means nothing
+  std::stop_token stop = {};        ///< once this is asked for it gives up soon, and the answer means nothing
 };
 
 /// What became of a view.
@@ -78,5 +74,11 @@ struct JointAnswer {
 JointAnswer solve_joint(const Board& board, const std::vector<Camera>& cameras, int lidars,
                         const std::vector<ViewSights>& views, const RigSeed& seed,
                         const JointOptions& options);
+
+/// JointAnswer::plane_misfits alone, of all views that can be used: none is dropped for disagreeing. Empty
+/// where planes would not determine the answer.
+std::vector<Misfit> plane_misfits(const Board& board, const std::vector<Camera>& cameras, int lidars,
+                                  const std::vector<ViewSights>& views, const RigSeed& seed,
+                                  const JointOptions& options);
 
 }  // namespace ca2

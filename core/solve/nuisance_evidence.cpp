@@ -1,4 +1,4 @@
-/// JointProblem's part that weighs the given intrinsics and range biases.
+/// JointProblem's part that weighs given intrinsics, range biases and what rims may be off by.
 #include <Eigen/Cholesky>
 #include <array>
 
@@ -15,7 +15,7 @@ constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
 /// planes of few views a little where it is not so. What the corners contradicted a thousand to one is hardly
 /// right. Plates as thin as their print and beams that begin as points are a little more likely than not.
 constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1, rims_right = 0.6;
-/// All deviations of one group are as far off as each other.
+/// All deviations of one group are as far off as each other. NuisanceEvidence::sizes are in this order.
 constexpr int pinhole_group = 0, bias_group = 1, rim_group = 2, distortion_group = 3, print_group = 4;
 /// The covariance must be true of wrong ones.
 constexpr double cautiously_right = 0.1;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/solve/rim_doubts.h"
+#include "core/solve/lens_evidence.h"
 
 namespace ca2 {
 namespace {

@@ -103,9 +103,11 @@ TEST(Projection, rings_are_found_of_beams_that_begin_on_a_circle_about_the_axis)
     const Projection projection = project_by_id(scan);
     ASSERT_TRUE(projection.beams);
     ASSERT_EQ(projection.rings, 128);
-    ASSERT_EQ(projection.found_ring.size(), scan.size());
+    ASSERT_TRUE(projection.found_ring);
+    const std::vector<std::uint16_t>& found = *projection.found_ring;
+    ASSERT_EQ(found.size(), scan.size());
     std::size_t right = 0;
-    for (std::size_t i = 0; i < scan.size(); ++i) right += projection.found_ring[i] == 127 - truth[i];
+    for (std::size_t i = 0; i < scan.size(); ++i) right += found[i] == 127 - truth[i];
     EXPECT_GT(right, 0.99 * static_cast<double>(good_returns(scan)));
     for (std::size_t ring = 0; ring < 128; ++ring) {
       const double slope = std::tan(sensor.elevation[127 - ring]);

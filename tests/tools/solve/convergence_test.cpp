@@ -114,24 +114,30 @@ TEST(Convergence, APlateOffItsPatternIsFoundEitherWayRound) {
 }
 
 /// What only the cameras disagree about says nothing against the LiDAR.
+/// On the mean of some pools: what a shake of 0.01 px does to one of them is a matter of chance.
 TEST(Convergence, CamerasThatDisagreeWidenTheirOwnShareOnly) {
   ScenarioFile file = load("os0_t265", 2006);
   for (auto& [name, camera] : file.scenario.cameras) camera.noise.corner_sigma = refined_corner_sigma;
-  std::vector<SimulatedView> views = pool_of(file.scenario, 15);
-  const auto plain = calibrate_features(rig_of(file.scenario), views);
   std::mt19937_64 rng(13);
   std::normal_distribution<double> shift(0, 0.01);  // px, of a whole picture
-  for (SimulatedView& view : views) {
-    const Eigen::Vector2d by(shift(rng), shift(rng));
-    for (Corner& corner : view.corners.at("right")) corner.pixel += by;
+  double widening = 0;
+  constexpr int pools = 6;
+  for (int pool = 0; pool < pools; ++pool, ++file.scenario.seed) {
+    std::vector<SimulatedView> views = pool_of(file.scenario, 15);
+    const auto plain = calibrate_features(rig_of(file.scenario), views);
+    for (SimulatedView& view : views) {
+      const Eigen::Vector2d by(shift(rng), shift(rng));
+      for (Corner& corner : view.corners.at("right")) corner.pixel += by;
+    }
+    const auto shaken = calibrate_features(rig_of(file.scenario), views);
+    ASSERT_TRUE(plain && shaken);
+    EXPECT_TRUE(std::any_of(shaken->notes.begin(), shaken->notes.end(), [](const std::string& note) {
+      return note.find("the cameras disagree") != std::string::npos;
+    }));
+    const auto variance = [](const Calibration& answer) { return answer.transforms[0].covariance.trace(); };
+    widening += variance(*shaken) / variance(*plain) / pools;
   }
-  const auto shaken = calibrate_features(rig_of(file.scenario), views);
-  ASSERT_TRUE(plain && shaken);
-  EXPECT_TRUE(std::any_of(shaken->notes.begin(), shaken->notes.end(), [](const std::string& note) {
-    return note.find("the cameras disagree") != std::string::npos;
-  }));
-  const auto variance = [](const Calibration& answer) { return answer.transforms[0].covariance.trace(); };
-  EXPECT_LT(variance(*shaken), 1.6 * variance(*plain));
+  EXPECT_LT(widening, 1.4);
 }
 
 }  // namespace

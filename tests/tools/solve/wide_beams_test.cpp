@@ -1,5 +1,5 @@
 /// Beams that are wide where they leave the LiDAR see every plate too large by the same millimetres at any
-/// distance: five views must not be sure of what that does to them, fifteen tell it.
+/// distance: few views must not be sure that there is nothing of it, fifteen tell it.
 #include <algorithm>
 #include <cstdio>
 
@@ -8,47 +8,60 @@
 namespace ca2 {
 namespace {
 
-constexpr int trials = 30;
-
 struct Tally {
-  double nees = 0, translation = 0;  // means: per degree of freedom; m
-  int noted = 0;
+  int answers = 0, noted = 0;
+  double nees = 0, worst = 0;  // per degree of freedom: mean; the largest
+  double translation = 0;      // m, mean
 };
 
-Tally calibrations(double beam_width, int views) {
-  ScenarioFile file = load("os0_manta", 6200);
+Tally calibrations(const char* scenario, double beam_width, int views, int trials) {
+  ScenarioFile file = load(scenario, 6200);
   for (auto& [name, lidar] : file.scenario.lidars) lidar.noise.beam_width = beam_width;
   for (auto& [name, camera] : file.scenario.cameras) camera.noise.corner_sigma = refined_corner_sigma;
   Tally tally;
   for (int trial = 0; trial < trials; ++trial) {
     ++file.scenario.seed;
     const auto answer = calibrate_features(rig_of(file.scenario), pool_of(file.scenario, views));
-    if (!answer) throw std::runtime_error(answer.error().text());
+    if (!answer) continue;  // three views may not determine it
     const CalibratedTransform& first = answer->transforms.front();
     const TransformError error = error_of(first, true_transform(file.scenario, first.parent, first.child));
-    tally.nees += error.nees / (6 * trials);
-    tally.translation += error.translation / trials;
+    ++tally.answers;
+    tally.nees += error.nees / 6;
+    tally.worst = std::max(tally.worst, error.nees / 6);
+    tally.translation += error.translation;
     tally.noted += static_cast<int>(std::ranges::count_if(
         answer->notes, [](const std::string& note) { return note.find("rims lie") != std::string::npos; }));
   }
-  std::printf("beams of %2.0f mm, %2d views: mean %.2f mm, NEES/6 %.2f, noted %d times\n", 1e3 * beam_width,
-              views, 1e3 * tally.translation, tally.nees, tally.noted);
+  tally.nees /= tally.answers;
+  tally.translation /= tally.answers;
+  std::printf("%-18s %2.0f mm, %2d views: %2d answers, mean %.2f mm, NEES/6 %.2f, worst %.1f, noted %d\n",
+              scenario, 1e3 * beam_width, views, tally.answers, 1e3 * tally.translation, tally.nees,
+              tally.worst, tally.noted);
   return tally;
 }
 
-TEST(WideBeams, FiveViewsAreNotSureThatThereAreNone) {
-  const Tally points = calibrations(0, 5), wide = calibrations(0.006, 5);
-  EXPECT_LT(points.nees, 1.5);
+/// Real pairs of a VLP-16 show beams of more than a centimetre (docs/method.md).
+TEST(WideBeams, ThreeViewsAreNotSureThatThereAreNone) {
+  const Tally wide = calibrations("vlp16_blackfly_a3", 0.012, 3, 60);
+  EXPECT_GT(wide.answers, 45);
   EXPECT_LT(wide.nees, 1.5);
+  EXPECT_LT(wide.worst, 9);
+}
+
+TEST(WideBeams, NorAreFive) {
+  const Tally points = calibrations("os0_manta", 0, 5, 60), wide = calibrations("os0_manta", 0.003, 5, 60);
+  EXPECT_LT(points.nees, 1.5);
   EXPECT_EQ(points.noted, 0);
+  EXPECT_LT(wide.nees, 1.2);
+  EXPECT_LT(wide.worst, 5);
 }
 
 TEST(WideBeams, FifteenViewsTellThem) {
-  const Tally points = calibrations(0, 15), wide = calibrations(0.012, 15);
+  const Tally points = calibrations("os0_manta", 0, 15, 30), wide = calibrations("os0_manta", 0.012, 15, 30);
   EXPECT_LT(wide.nees, 1.5);
   EXPECT_LT(wide.translation, 1.5 * points.translation);
   EXPECT_EQ(points.noted, 0);
-  EXPECT_GT(wide.noted, trials / 2);
+  EXPECT_GT(wide.noted, wide.answers / 2);
 }
 
 }  // namespace

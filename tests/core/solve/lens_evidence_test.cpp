@@ -1,5 +1,5 @@
 /// Rims seen by beams that begin in a lens or on the axis: which of both they are told to be.
-#include "core/solve/rim_doubts.h"
+#include "core/solve/lens_evidence.h"
 
 #include <gtest/gtest.h>
 
@@ -37,15 +37,15 @@ struct Holds {
   static constexpr double how_wide = 0.001;  // rad
 };
 
-TEST(RimDoubts, BeamsThatBeginOnTheAxisAreBelieved) {
+TEST(LensEvidence, BeamsThatBeginOnTheAxisAreBelieved) {
   EXPECT_LT(Holds(10, {.dilation = {0.001, 0}}).lens(), -20);
 }
 
-TEST(RimDoubts, BeamsThatBeginInTheLensAreTold) {
+TEST(LensEvidence, BeamsThatBeginInTheLensAreTold) {
   EXPECT_GT(Holds(10, {.dilation = {0.001, 0}, .lens = 0.04}).lens(), 20);
 }
 
-TEST(RimDoubts, FewRimsTellNothing) {
+TEST(LensEvidence, FewRimsTellNothing) {
   EXPECT_EQ(Holds(2, {.lens = 0.04}).lens(), 0);
   EXPECT_EQ(Holds(0, {}).lens(), 0);
 }

@@ -1,4 +1,4 @@
-/// @file What is believed of rims and beams until the rims of many views contradict it.
+/// @file What rims say of where beams begin: where the points have them, or in a lens.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,6 @@
 #include "core/solve/rim_residuals.h"
 
 namespace ca2 {
-
-/// What is known of rims: real plates are some 20 mm thick, so that their rims lie behind the print by half
-/// of that, and are seen too large by half the width that beams have where they leave the LiDAR. Thin ones
-/// and beams that begin as points are believed as far as the views do, see NuisanceEvidence.
-inline constexpr RimFreedom rim_freedom{0.005, 0.01};
 
 /// How much more probable (natural logarithm of the ratio) rims are if beams begin in a lens `radius` [m] in
 /// front of the axis instead of where the points have them, with `free` as found. The LiDAR's pose and the

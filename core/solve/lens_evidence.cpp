@@ -1,4 +1,4 @@
-#include "core/solve/rim_doubts.h"
+#include "core/solve/lens_evidence.h"
 
 #include <algorithm>
 #include <cmath>
