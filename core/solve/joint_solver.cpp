@@ -30,8 +30,7 @@ constexpr double well_placed = 0.01;
 constexpr std::size_t enough_views = 5;
 /// Few views leave too little over to contradict given intrinsics.
 constexpr std::size_t least_views_to_doubt = 5;
-/// How far rims may lie from where they are predicted, m, solve after solve; and where planes told nothing.
-constexpr std::array rim_slacks{0.06, 0.025, 0.01};
+/// PlateRims::slacks, where planes told nothing.
 constexpr std::array rim_slacks_alone{0.06, 0.025, 0.015, 0.01};
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
@@ -280,13 +279,14 @@ class Solver {
   void add_edges() {
     if (!rims_.any(active_)) return;
     JointAnswer without = answer_;
-    for (const double slack : rim_slacks) {
-      if (slack != rim_slacks.front()) input_.rim_freedom = rim_freedom;
+    const std::vector<double> slacks = rims_.slacks(problem_->lidar_place_sigma());
+    for (const double slack : slacks) {
+      const bool near = slack < usual_rim_slack;
+      if (near) input_.rim_freedom = rim_freedom;
       look_at_rims(slack);
-      if (slack == rim_slacks.front())
+      if (slack == slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);
-      else
-        rims_.estimate_errors(state_, active_);
+      if (near) rims_.estimate_errors(state_, active_);
       solve();
       if (answer_.edges == 0) {
         answer_ = std::move(without);

@@ -46,6 +46,14 @@ bool PlateRims::any(std::span<const std::size_t> used) const {
   return false;
 }
 
+std::vector<double> PlateRims::slacks(double place_sigma) const {
+  const Outline plate = board_.extent();
+  const double reach = std::min(3 * place_sigma, 0.5 * std::min(plate.width, plate.height));
+  std::vector<double> list{usual_rim_slack, 0.025, 0.01};
+  while (list.front() < reach) list.insert(list.begin(), 2 * list.front());
+  return list;
+}
+
 std::span<const EdgeCrossing> PlateRims::crossings(std::size_t view, std::size_t lidar) const {
   const int hypothesis = chosen_[view][lidar];
   if (hypothesis < 0) return {};

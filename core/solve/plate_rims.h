@@ -16,6 +16,9 @@
 
 namespace ca2 {
 
+/// m: rims of LiDARs that planes placed well are within this. Nearer ones tell how they err.
+inline constexpr double usual_rim_slack = 0.06;
+
 class PlateRims {
  public:
   /// `chosen` [view][lidar]: the hypothesis that is the board; negative: none. Board, views and choice must
@@ -24,6 +27,9 @@ class PlateRims {
             const std::vector<std::vector<int>>& chosen, std::size_t lidars);
 
   bool any(std::span<const std::size_t> used) const;
+  /// What to look within, solve after solve, where planes left the LiDARs' places open to `place_sigma` [m]:
+  /// at first as far as that may have put them off, up to half the plate.
+  std::vector<double> slacks(double place_sigma) const;
   /// How far a rim may lie from where it is predicted, m; 0, as at first: rims are not used.
   void look_within(double slack) { slack_ = slack; }
   bool in_use() const { return slack_ > 0; }

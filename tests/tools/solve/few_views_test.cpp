@@ -1,5 +1,5 @@
 /// One and two views, which planes alone leave open: what the plate's rim and the intensities of its print
-/// make of them, and that nothing is answered that they leave open.
+/// make of them, and that nothing is answered that they leave open. Three views that planes leave wide.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
@@ -246,6 +246,35 @@ TEST(FewViews, ViewsThatContradictEachOtherAreRefused) {
   }
   std::printf("contradicting views: %d answers, %d refused\n", answers, refused);
   EXPECT_GE(refused, 175);
+}
+
+TEST(FewViews, RimsFindTheBoardWhereThreePlanesPutItFarOff) {
+  if (test::left_out("paper")) GTEST_SKIP() << "built without this rig's board";
+  std::mt19937_64 rng(80);
+  int wide = 0;
+  double worst = 0, worst_translation = 0;
+  for (std::uint64_t seed = 9100; seed < 9106; ++seed) {
+    const Scenario scenario = load("paper", seed).scenario;
+    const Rig rig = rig_of(scenario);
+    Rig bare = rig;
+    bare.board.outline.reset();
+    const std::vector<SimulatedView> pool = pool_of(scenario, 60);
+    for (int trial = 0; trial < 40; ++trial) {
+      const std::vector<SimulatedView> views = draw_subset(pool, 3, rng);
+      if (calibrate_features(bare, views)) continue;  // planes leave little
+      const auto answer = calibrate_features(rig, views);
+      if (!answer) continue;
+      ++wide;
+      const TransformError error = worst_error(*answer, scenario);
+      worst = std::max(worst, error.nees / 6);
+      worst_translation = std::max(worst_translation, error.translation);
+    }
+  }
+  std::printf("%d answers where planes refuse, worst %.1f mm, NEES/6 %.1f\n", wide, 1e3 * worst_translation,
+              worst);
+  EXPECT_GT(wide, 5);
+  EXPECT_LT(worst, 4);
+  EXPECT_LT(worst_translation, 0.03);
 }
 
 }  // namespace
