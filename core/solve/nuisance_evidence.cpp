@@ -10,27 +10,32 @@ namespace {
 
 /// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
 constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
-/// That values of a group are exactly right. Given intrinsics at even odds: where they are, few views gain,
-/// and where they are not, nothing is lost. Few LiDARs' ranges are without a bias: believing it costs the
-/// planes of few views a little where it is not so. What the corners contradicted a thousand to one is hardly
-/// right. Plates as thin as their print and beams that begin as points are a little more likely than not.
-constexpr double intrinsics_right = 0.5, ranges_right = 0.3, contradicted_right = 0.1, rims_right = 0.6;
+/// Chances that what was given is right, for the mean and for the covariance, which must be true of wrong
+/// ones too. A focal length and a principal point may each be right alone (the one told by the other would
+/// ruin the answer where it is not), though they mostly are together. Few LiDARs' ranges are without a bias:
+/// believing it costs the planes of few views a little where it is not so. What the corners contradicted a
+/// thousand to one is hardly right. Plates as thin as their print and beams that begin as points are a little
+/// more likely than not. Where nothing at all is off, each of these speaks for the others.
+struct Right {
+  double mean, covariance;
+};
+constexpr Right all_right{0.02, 0.01}, intrinsics_right{0.15, 0.05}, focal_or_centre_right{0.05, 0.05},
+    ranges_right{0.3, 0.3}, rims_right{0.6, 0.2}, contradicted_right{0.1, 0.1};
 /// All deviations of one group are as far off as each other. NuisanceEvidence::sizes are in this order.
-constexpr int pinhole_group = 0, bias_group = 1, rim_group = 2, distortion_group = 3, print_group = 4;
-/// The covariance must be true of wrong ones.
-constexpr double cautiously_right = 0.1;
+enum Group { focal_group, centre_group, bias_group, rim_group, distortion_group, print_group };
 
 /// Right, as far off as thought, or something `between`, each with a chance of its own.
 template <std::size_t count>
-std::vector<NuisanceSize> sizes(double right, const std::array<double, count>& between, double chance) {
-  std::vector<NuisanceSize> list{{0, right, cautiously_right}};
+std::vector<NuisanceSize> sizes(Right right, const std::array<double, count>& between, double chance) {
+  std::vector<NuisanceSize> list{{0, right.mean, right.covariance}};
   for (const double factor : between) list.push_back({factor, chance, chance});
-  list.push_back({1, 1 - right - chance * count, 1 - cautiously_right - chance * count});
+  list.push_back({1, 1 - right.mean - chance * count, 1 - right.covariance - chance * count});
   return list;
 }
 
-std::vector<NuisanceSize> fine_sizes(double right) {
-  return sizes(right, std::array{1. / 32, 1. / 16, 1. / 8, 1. / 4, 1. / 2}, 0.02);
+/// From right to as far off as thought in steps that lose little between them.
+std::vector<NuisanceSize> stepped_sizes(Right right) {
+  return sizes(right, std::array{1. / 16, 1. / 4}, 0.05);
 }
 
 }  // namespace
@@ -73,7 +78,8 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
     for (int k = 0; k < free_intrinsics(c); ++k)
       add(intrinsics_index(c) - first + k, input_.prior_intrinsics[i](k),
           !input_.stated[i] ? NuisanceEvidence::as_given
-          : k < 4           ? pinhole_group
+          : k < 2           ? focal_group
+          : k < 4           ? centre_group
                             : distortion_group);
   }
   for (int k = 0; k < (stretch_free() ? 2 : 0); ++k)
@@ -82,9 +88,12 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   for (int l = 0; l < lidars_; ++l) add(margin_index(l) - first, input_.rim_freedom.margin, rim_group);
   add(rim_depth_index() - first, input_.rim_freedom.depth, rim_group);
   if (index.empty()) return std::nullopt;
-  evidence.sizes = {fine_sizes(intrinsics_right), fine_sizes(ranges_right),
-                    sizes(rims_right, std::array{0.3}, 0.2), fine_sizes(contradicted_right),
-                    fine_sizes(contradicted_right)};
+  evidence.sizes = {stepped_sizes(focal_or_centre_right), stepped_sizes(focal_or_centre_right),
+                    stepped_sizes(ranges_right),          sizes(rims_right, std::array{0.3}, 0.2),
+                    stepped_sizes(contradicted_right),    stepped_sizes(contradicted_right)};
+  evidence.right_together = {
+      {{focal_group, centre_group}, intrinsics_right.mean, intrinsics_right.covariance},
+      {{focal_group, centre_group, bias_group, rim_group}, all_right.mean, all_right.covariance}};
   // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
   const auto count = static_cast<Eigen::Index>(index.size());
   const Eigen::Index others = globals_ - count;

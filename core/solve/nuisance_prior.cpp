@@ -31,6 +31,29 @@ Component component_of(const Eigen::MatrixXd& H, const Eigen::VectorXd& h, const
           size.asDiagonal() * llt.solve(Eigen::MatrixXd::Identity(count, count)) * size.asDiagonal()};
 }
 
+/// Of one size per group: the chance that the groups have these, in any way that it may come about.
+double chance_of(const NuisanceEvidence& evidence, const std::vector<std::size_t>& groups,
+                 const std::vector<std::size_t>& choice, double NuisanceSize::*chance,
+                 double RightTogether::*together) {
+  double total = 0, alone = 1;
+  const auto add = [&](double cause, const std::vector<int>& right) {
+    double product = cause;
+    for (const std::size_t g : groups) {
+      if (std::ranges::count(right, static_cast<int>(g)) == 0)
+        product *= evidence.sizes[g][choice[g]].*chance;
+      else if (choice[g] != 0)
+        return;
+    }
+    total += product;
+  };
+  for (const RightTogether& cause : evidence.right_together) {
+    add(cause.*together, cause.groups);
+    alone -= cause.*together;
+  }
+  add(alone, {});
+  return total;
+}
+
 /// Every combination of the groups' sizes.
 std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eigen::MatrixXd& H,
                                      const Eigen::VectorXd& h) {
@@ -49,10 +72,10 @@ std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eig
       size(i) = evidence.sizes[g][choice[g]].factor;
     }
     Component component = component_of(H, h, size);
-    for (const std::size_t g : groups) {
-      component.log_weight += std::log(evidence.sizes[g][choice[g]].chance);
-      component.log_cautious += std::log(evidence.sizes[g][choice[g]].cautious);
-    }
+    component.log_weight +=
+        std::log(chance_of(evidence, groups, choice, &NuisanceSize::chance, &RightTogether::chance));
+    component.log_cautious +=
+        std::log(chance_of(evidence, groups, choice, &NuisanceSize::cautious, &RightTogether::cautious));
     list.push_back(std::move(component));
     more = false;
     for (const std::size_t g : groups) {

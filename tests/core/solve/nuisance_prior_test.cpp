@@ -51,6 +51,25 @@ TEST(NuisancePrior, WrongValuesAreFoundAsIfNobodyHadGivenThem) {
   for (int i = 0; i < 5; ++i) EXPECT_NEAR(found.sigma(i), 0.02, 0.002) << i;
 }
 
+TEST(NuisancePrior, WhatIsRightTogetherSpeaksForEachOther) {
+  // The fifth was hardly measured, the others are right.
+  NuisanceEvidence evidence = measured(Eigen::VectorXd::Constant(5, 0.005), 0.01);
+  evidence.H(4, 4) *= 1e-4;
+  evidence.h(4) = 0;
+  const Posterior alone = posterior(evidence);
+  EXPECT_GT(alone.sigma(4), 0.6);
+  evidence.right_together = {{{0, 1}, 0.1, 0.1}};
+  const Posterior together = posterior(evidence);
+  EXPECT_LT(together.sigma(4), 0.7 * alone.sigma(4));
+  // What is wrong tells nothing about another.
+  evidence = measured(Eigen::VectorXd::Constant(5, 0.5), 0.01);
+  evidence.H(4, 4) *= 1e-4;
+  evidence.h(4) = 0;
+  const double of_wrong = posterior(evidence).sigma(4);
+  evidence.right_together = {{{0, 1}, 0.1, 0.1}};
+  EXPECT_NEAR(posterior(evidence).sigma(4), of_wrong, 1e-6);
+}
+
 TEST(NuisancePrior, OneGroupMayBeRightAndTheOtherWrong) {
   const Eigen::VectorXd deviation = (Eigen::VectorXd(5) << 0, 0, 0, 0, 1).finished();
   const Posterior found = posterior(measured(deviation, 0.02));
