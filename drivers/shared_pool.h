@@ -33,8 +33,8 @@ class SharedPool {
   }
 
  private:
-  /// Once many were held and let go of, so many are enough for the next ones.
-  static constexpr std::size_t most_spare = 2;
+  /// Beside the one that is being filled: as a rule one is let go of while the next is filled.
+  static constexpr std::size_t most_spare = 1;
 
   struct Spare {
     std::mutex mutex;

@@ -31,9 +31,10 @@ Result<ViewSights> store_view(Session& session, StoreView& view, const StoreProg
     if (!content) return fail(content.error());
     add_file(name, true, *content);
   }
-  for (auto& [name, scans] : view.scans) {
-    if (scans.size() > 1) scans = {std::make_shared<const Scan>(gathered_scan(std::move(scans)))};
-    const auto content = writer->add(name, *scans.front());
+  for (const auto& [name, scans] : view.scans) {
+    std::vector<const Scan*> pointers;
+    for (const auto& scan : scans) pointers.push_back(scan.get());
+    const auto content = writer->add(name, pointers);
     if (!content) return fail(content.error());
     add_file(name, false, *content);
   }
@@ -47,8 +48,10 @@ Result<ViewSights> store_view(Session& session, StoreView& view, const StoreProg
   for (SensorFile& file : files) {
     if (file.is_image) continue;
     file.pick = pick_of(view, file.sensor);
-    search_cloud(file, session.rig.board, *view.scans.at(file.sensor).front());
+    std::vector<std::shared_ptr<const Scan>> scans = std::move(view.scans.at(file.sensor));
     view.scans.erase(file.sensor);
+    if (scans.size() > 1) scans = {std::make_shared<const Scan>(gathered_scan(std::move(scans)))};
+    search_cloud(file, session.rig.board, *scans.front());
   }
   for (SensorFile& file : files) {
     if (!file.is_image) continue;

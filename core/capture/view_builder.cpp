@@ -80,15 +80,13 @@ void append(std::vector<T>& all, const Scan& scan, std::vector<T> Scan::*array) 
   if (all.capacity() > 0) all.insert(all.end(), more.begin(), more.end());
 }
 
-/// What `f` does with each of the arrays.
+/// What `f` does with each of the arrays that are gathered.
 template <class F>
 void for_each_array(Scan& scan, F f) {
   f(scan.points, &Scan::points);
   f(scan.intensity, &Scan::intensity);
-  f(scan.range, &Scan::range);
   f(scan.ring, &Scan::ring);
   f(scan.column, &Scan::column);
-  f(scan.time, &Scan::time);
 }
 
 template <class Value, class Text>

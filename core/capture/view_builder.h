@@ -16,8 +16,8 @@ namespace ca2 {
 /// fills 8 and half of log2(n). A single picture stays as it is.
 Image mean_image(const std::vector<const CameraObservation*>& pictures);
 
-/// All returns of the scans, each of which is let go of once it is copied. An array that one of them lacks is
-/// left out.
+/// All returns of the scans, as far as a search for the board asks for them: without ranges and times. Each
+/// scan is let go of once it is copied; an array that one of them lacks is left out.
 Scan gathered_scan(std::vector<std::shared_ptr<const Scan>> scans);
 
 /// What view.yaml says beside the data.

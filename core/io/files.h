@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -46,6 +47,8 @@ enum class PngData {
 };
 /// In memory.
 Result<std::string> encode_png(const Image& image, PngData data = PngData::compressed);
+/// In pieces, for write_new. ErrorCode::internal for a picture that is none, without a piece.
+Result<void> encode_png(const Image& image, PngData data, const PieceSink& sink);
 /// `name` is what errors call the picture.
 Result<Image> decode_png(std::string_view bytes, const std::string& name);
 
@@ -62,8 +65,9 @@ Result<Scan> read_pcd(const std::filesystem::path& file);
 Result<void> write_pcd(const std::filesystem::path& file, const Scan& scan);
 Result<Scan> parse_pcd(std::string_view content, const std::string& name);
 Result<std::string> encode_pcd(const Scan& scan);
-/// In pieces of about a megabyte, for write_new. ErrorCode::internal, and no piece, for a scan whose arrays
-/// have different lengths.
-Result<void> encode_pcd(const Scan& scan, const PieceSink& sink);
+/// Scans one after the other as one cloud, without the arrays that one of them lacks; in pieces of about a
+/// megabyte, for write_new. ErrorCode::internal, and no piece, for a scan whose arrays have different
+/// lengths.
+Result<void> encode_pcd(std::span<const Scan* const> scans, const PieceSink& sink);
 
 }  // namespace ca2

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "core/io/files.h"
 
@@ -18,9 +19,12 @@ struct Column {
   std::size_t step;    // bytes from one point's value to the next
 };
 
+using Columns = std::vector<Column>;
+using Scans = std::span<const Scan* const>;
+
 /// The arrays that the scan has, in the order of the fields.
-std::vector<Column> columns_of(const Scan& scan) {
-  std::vector<Column> columns;
+Columns columns_of(const Scan& scan) {
+  Columns columns;
   const auto* xyz = reinterpret_cast<const char*>(scan.points.data());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     static constexpr const char* names[] = {"x", "y", "z"};
@@ -40,7 +44,26 @@ std::vector<Column> columns_of(const Scan& scan) {
   return columns;
 }
 
-std::string header_of(const Scan& scan, const std::vector<Column>& columns) {
+/// Those that all of them have.
+void keep_common(std::vector<Columns>& all) {
+  const auto missing_in = [](const Columns& columns, const Column& wanted) {
+    const auto same = [&](const Column& column) { return std::strcmp(column.name, wanted.name) == 0; };
+    return std::none_of(columns.begin(), columns.end(), same);
+  };
+  for (const Columns& some : all) {
+    for (Columns& other : all)
+      std::erase_if(other, [&](const Column& column) { return missing_in(some, column); });
+  }
+}
+
+std::string header_of(Scans scans, const Columns& columns) {
+  std::size_t size = 0;
+  int rings = 0, grid_columns = 0;
+  for (const Scan* scan : scans) {
+    size += scan->size();
+    rings = std::max(rings, scan->rings);
+    grid_columns = std::max(grid_columns, scan->columns);
+  }
   std::string fields = "FIELDS", sizes = "SIZE", types = "TYPE", counts = "COUNT";
   for (const Column& column : columns) {
     fields += std::string(" ") + column.name;
@@ -48,10 +71,10 @@ std::string header_of(const Scan& scan, const std::vector<Column>& columns) {
     types += std::string(" ") + column.type;
     counts += " 1";
   }
-  const std::string points = std::to_string(scan.size());
+  const std::string points = std::to_string(size);
   std::string header = "# .PCD v0.7 - Point Cloud Data file format\n";
-  if (scan.rings > 0 || scan.columns > 0) {
-    header += "# grid " + std::to_string(scan.rings) + " " + std::to_string(scan.columns) + "\n";
+  if (rings > 0 || grid_columns > 0) {
+    header += "# grid " + std::to_string(rings) + " " + std::to_string(grid_columns) + "\n";
   }
   return header + "VERSION 0.7\n" + fields + "\n" + sizes + "\n" + types + "\n" + counts + "\nWIDTH " +
          points + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + points + "\nDATA binary\n";
@@ -78,33 +101,44 @@ void put_column(const Column& column, std::size_t first, std::size_t count, char
 
 }  // namespace
 
-Result<void> encode_pcd(const Scan& scan, const PieceSink& sink) {
-  const auto fits = [&](std::size_t size) { return size == 0 || size == scan.size(); };
-  if (!fits(scan.intensity.size()) || !fits(scan.range.size()) || !fits(scan.ring.size()) ||
-      !fits(scan.column.size()) || !fits(scan.time.size())) {
-    return fail(ErrorCode::internal, "", "a scan whose arrays have different lengths");
-  }
-  const std::vector<Column> columns = columns_of(scan);
-  std::size_t stride = 0;
-  for (const Column& column : columns) stride += column.size;
-  bool wanted = sink(header_of(scan, columns));
-  std::string piece;
-  for (std::size_t first = 0; wanted && first < scan.size(); first += points_per_piece) {
-    const std::size_t count = std::min(points_per_piece, scan.size() - first);
-    piece.resize(stride * count);
-    char* to = piece.data();
-    for (const Column& column : columns) {
-      put_column(column, first, count, to, stride);
-      to += column.size;
+Result<void> encode_pcd(Scans scans, const PieceSink& sink) {
+  std::vector<Columns> columns;
+  for (const Scan* scan : scans) {
+    const auto fits = [&](std::size_t size) { return size == 0 || size == scan->size(); };
+    if (!fits(scan->intensity.size()) || !fits(scan->range.size()) || !fits(scan->ring.size()) ||
+        !fits(scan->column.size()) || !fits(scan->time.size())) {
+      return fail(ErrorCode::internal, "", "a scan whose arrays have different lengths");
     }
-    wanted = sink(piece);
+    if (!scan->empty()) columns.push_back(columns_of(*scan));
+  }
+  keep_common(columns);
+  const Columns fields = columns.empty() ? columns_of(Scan{}) : columns.front();
+  std::size_t stride = 0;
+  for (const Column& column : fields) stride += column.size;
+  bool wanted = sink(header_of(scans, fields));
+  std::string piece;
+  auto of_scan = columns.begin();
+  for (const Scan* scan : scans) {
+    if (scan->empty()) continue;
+    for (std::size_t first = 0; wanted && first < scan->size(); first += points_per_piece) {
+      const std::size_t count = std::min(points_per_piece, scan->size() - first);
+      piece.resize(stride * count);
+      char* to = piece.data();
+      for (const Column& column : *of_scan) {
+        put_column(column, first, count, to, stride);
+        to += column.size;
+      }
+      wanted = sink(piece);
+    }
+    ++of_scan;
   }
   return {};
 }
 
 Result<std::string> encode_pcd(const Scan& scan) {
   std::string content;
-  const auto encoded = encode_pcd(scan, [&](std::string_view piece) {
+  const Scan* const only[] = {&scan};
+  const auto encoded = encode_pcd(only, [&](std::string_view piece) {
     content += piece;
     return true;
   });

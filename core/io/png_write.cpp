@@ -10,8 +10,12 @@
 namespace ca2 {
 namespace {
 
+constexpr std::size_t piece_size = 1 << 18;  // bytes
+
 struct Writer {
-  std::string bytes;
+  const PieceSink& sink;
+  std::string piece;
+  bool wanted = true;
   std::jmp_buf failed;
   char reason[128] = "";
 };
@@ -25,7 +29,12 @@ struct Writer {
 void on_warning(png_structp, png_const_charp) {}
 
 void on_write(png_structp png, png_bytep from, png_size_t size) {
-  static_cast<Writer*>(png_get_io_ptr(png))->bytes.append(reinterpret_cast<const char*>(from), size);
+  auto& writer = *static_cast<Writer*>(png_get_io_ptr(png));
+  if (!writer.wanted) return;
+  writer.piece.append(reinterpret_cast<const char*>(from), size);
+  if (writer.piece.size() < piece_size) return;
+  writer.wanted = writer.sink(writer.piece);
+  writer.piece.clear();
 }
 
 void on_flush(png_structp) {}
@@ -59,7 +68,7 @@ bool encode(png_structp png, png_infop info, Writer& writer, const Image& image,
 
 }  // namespace
 
-Result<std::string> encode_png(const Image& image, PngData data) {
+Result<void> encode_png(const Image& image, PngData data, const PieceSink& sink) {
   const bool sound = image.width > 0 && image.height > 0 && (image.channels == 1 || image.channels == 3) &&
                      (image.bits == 8 || image.bits == 16) &&
                      image.bytes.size() == static_cast<std::size_t>(image.width) *
@@ -69,15 +78,25 @@ Result<std::string> encode_png(const Image& image, PngData data) {
     return fail(ErrorCode::internal, "",
                 "a picture whose size, channels, bits and bytes do not fit together");
   }
-  Writer writer{{}, {}, {}};
-  writer.bytes.reserve(data == PngData::stored ? image.bytes.size() + image.bytes.size() / 512 + 4096
-                                               : image.bytes.size() / 2);
+  Writer writer{sink, {}, true, {}, {}};
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
   const bool done = info && encode(png, info, writer, image, data);
   png_destroy_write_struct(&png, &info);
   if (!done) return fail(ErrorCode::internal, "", std::string("PNG: ") + writer.reason);
-  return std::move(writer.bytes);
+  if (writer.wanted && !writer.piece.empty()) sink(writer.piece);
+  return {};
+}
+
+Result<std::string> encode_png(const Image& image, PngData data) {
+  std::string bytes;
+  bytes.reserve(data == PngData::stored ? image.bytes.size() + image.bytes.size() / 512 + 4096
+                                        : image.bytes.size() / 2);
+  const auto encoded = encode_png(image, data, [&](std::string_view piece) {
+    bytes += piece;
+    return true;
+  });
+  return encoded ? Result<std::string>(std::move(bytes)) : fail(encoded.error());
 }
 
 Result<void> write_png(const std::filesystem::path& file, const Image& image) {

@@ -115,7 +115,7 @@ bool fill_one_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& 
 /// Counting sort by cell; the scan's order is kept within a cell.
 void fill_many_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
   const std::size_t cells = static_cast<std::size_t>(out.rings) * out.stride;
-  out.point.clear();
+  out.point = {};
   out.first.assign(cells + 1, 0);
   out.range.assign(cells, 0.0f);
   for_each_return(scan, rings, columns, out.stride, [&](std::uint32_t, std::size_t cell, float range) {

@@ -86,29 +86,32 @@ Result<ViewWriter> ViewWriter::begin(const fs::path& session, int id, std::strin
 }
 
 Result<std::uint64_t> ViewWriter::add(const std::string& camera, const Image& image, PngData data) {
-  if (const auto good = check_name(camera); !good) return fail(good.error());
-  const fs::path file = hidden_ / (camera + ".png");
-  const Result<std::string> png = encode_png(image, data);
-  if (!png) return named(png.error(), file);
-  if (const auto written = write_new(file, *png); !written) return fail(written.error());
-  cameras_.insert(camera);
-  return ContentDigest::of(*png);
+  const auto digest =
+      add(camera, ".png", [&](const PieceSink& sink) { return encode_png(image, data, sink); });
+  if (digest) cameras_.insert(camera);
+  return digest;
 }
 
-Result<std::uint64_t> ViewWriter::add(const std::string& lidar, const Scan& scan) {
-  if (const auto good = check_name(lidar); !good) return fail(good.error());
-  const fs::path file = hidden_ / (lidar + ".pcd");
+Result<std::uint64_t> ViewWriter::add(const std::string& lidar, std::span<const Scan* const> scans) {
+  const auto digest = add(lidar, ".pcd", [&](const PieceSink& sink) { return encode_pcd(scans, sink); });
+  if (digest) lidars_.insert(lidar);
+  return digest;
+}
+
+Result<std::uint64_t> ViewWriter::add(const std::string& sensor, const char* ending,
+                                      const std::function<Result<void>(const PieceSink&)>& encode) {
+  if (const auto good = check_name(sensor); !good) return fail(good.error());
+  const fs::path file = hidden_ / (sensor + ending);
   ContentDigest digest;
   Result<void> encoded;
   const auto written = write_new(file, [&](const PieceSink& sink) {
-    encoded = encode_pcd(scan, [&](std::string_view piece) {
+    encoded = encode([&](std::string_view piece) {
       digest.add(piece);
       return sink(piece);
     });
   });
   if (!written) return fail(written.error());
   if (!encoded) return named(encoded.error(), file);
-  lidars_.insert(lidar);
   return digest.value();
 }
 

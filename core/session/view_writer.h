@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <set>
+#include <span>
 #include <string>
 
 #include "core/io/files.h"
@@ -23,12 +25,15 @@ class ViewWriter {
   /// Return the ContentDigest of the file.
   Result<std::uint64_t> add(const std::string& camera, const Image& image,
                             PngData data = PngData::compressed);
-  Result<std::uint64_t> add(const std::string& lidar, const Scan& scan);
+  /// All of the scans as one cloud.
+  Result<std::uint64_t> add(const std::string& lidar, std::span<const Scan* const> scans);
   /// As write_view; nothing may be added any more.
   Result<SessionView> finish();
 
  private:
   ViewWriter(std::filesystem::path views, int id, std::string details);
+  Result<std::uint64_t> add(const std::string& sensor, const char* ending,
+                            const std::function<Result<void>(const PieceSink&)>& encode);
 
   std::filesystem::path views_, hidden_;
   int id_;

@@ -16,7 +16,8 @@ Result<SessionView> write_view(const fs::path& session, int id, const std::map<s
     if (const auto added = writer->add(name, image); !added) return fail(added.error());
   }
   for (const auto& [name, scan] : scans) {
-    if (const auto added = writer->add(name, scan); !added) return fail(added.error());
+    const Scan* const only[] = {&scan};
+    if (const auto added = writer->add(name, only); !added) return fail(added.error());
   }
   return writer->finish();
 }

@@ -60,6 +60,31 @@ TEST(Pcd, RoundTripsBitForBit) {
   }
 }
 
+TEST(Pcd, SeveralScansAreOneCloudOfTheArraysThatAllHave) {
+  const Scan first = random_scan(40000, true), second = random_scan(3, true), empty;
+  Scan bare = second;
+  bare.time.clear();
+  const auto written = [](std::vector<const Scan*> scans) {
+    std::string content;
+    EXPECT_TRUE(encode_pcd(scans, [&](std::string_view piece) { return content += piece, true; }));
+    return parse_pcd(content, "a.pcd").value();
+  };
+  const Scan both = written({&first, &empty, &second});
+  ASSERT_EQ(both.size(), 40003u);
+  EXPECT_EQ(both.points[39999], first.points[39999]);
+  EXPECT_EQ(both.points[40002], second.points[2]);
+  EXPECT_EQ(both.time[40001], second.time[1]);
+  EXPECT_EQ(both.range[40000], second.range[0]);
+  EXPECT_EQ(both.columns, first.columns);
+  for (const Scan& without : {written({&bare, &first}), written({&first, &bare})}) {
+    ASSERT_EQ(without.size(), 40003u);
+    EXPECT_TRUE(without.time.empty());
+    EXPECT_EQ(without.range.size(), 40003u);
+  }
+  bare.range.pop_back();
+  EXPECT_FALSE(encode_pcd(std::vector<const Scan*>{&first, &bare}, [](std::string_view) { return true; }));
+}
+
 TEST(Pcd, AnEmptyCloudIsACloud) {
   const auto read = parse_pcd(encode_pcd(Scan{}).value(), "a.pcd");
   ASSERT_TRUE(read) << read.error().text();
