@@ -34,8 +34,10 @@ void LidarTrack::add(const LidarObservation& observation) {
 }
 
 void LidarTrack::release_before(std::int64_t time) {
+  const std::int64_t half = period() / 2;
   for (LidarObservation& sample : samples_) {
-    if (sample.time >= time || &sample == &samples_.back()) break;
+    // As within() asks.
+    if (sample.time - half >= time - clock_slack || &sample == &samples_.back()) break;
     sample.scan.reset();
   }
 }

@@ -29,7 +29,7 @@ class LidarTrack {
   /// The newest of the scans' hypotheses, followed back through the others.
   static std::vector<LidarHold> follow(const std::vector<const LidarObservation*>& scans);
 
-  /// Scans measured before are in no view any more: only what was found in them is kept. Never the newest.
+  /// Scans that began before are in no view any more: only what was found in them is kept. Never the newest.
   void release_before(std::int64_t time);
 
   KeptData<LidarObservation, Scan> kept() { return {samples_, &LidarObservation::scan}; }

@@ -1,6 +1,7 @@
 /// @file What tracks keep of the data: a second of a rig's pictures is a hundred megabytes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "core/capture/assess.h"
@@ -80,6 +81,30 @@ TEST(Tracks, LetGoOfWhatIsInNoViewAnyMore) {
   EXPECT_EQ(with_image(track), 6) << "since somebody asked for another view";
   release_unneeded(tracks, options, assessment, std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(with_image(track), 2) << "once it is decided: for who wants a view at once";
+}
+
+TEST(Tracks, LetGoOfScansThatBeganBeforeAnyViewCan) {
+  LidarTrack track;
+  const auto at = [](int i) { return start + i * 100'000'000LL; };
+  for (int i = 0; i < 20; ++i) {
+    LidarObservation observation;
+    observation.time = at(i);
+    observation.scan = std::make_shared<const Scan>();
+    observation.sights.emplace_back();
+    track.add(observation);
+  }
+  const auto with_scan = [&](const std::vector<const LidarObservation*>& list) {
+    return std::count_if(list.begin(), list.end(), [](const auto* kept) { return kept->scan != nullptr; });
+  };
+  const auto all = [&] { return track.within(start - 1'000'000'000, at(100)); };
+  for (const std::int64_t first : {at(10) - 70'000'000, at(10) - 50'000'000, at(10), at(11) - 40'000'000}) {
+    track.release_before(first);
+    const auto view = track.within(first, at(100));
+    EXPECT_EQ(with_scan(view), static_cast<std::ptrdiff_t>(view.size())) << first - at(10);
+    EXPECT_EQ(with_scan(all()), with_scan(view)) << first - at(10) << " ns: more than a view takes";
+  }
+  track.release_before(at(100));
+  EXPECT_EQ(with_scan(all()), 1) << "the newest";
 }
 
 TEST(Tracks, KeepAHoldThatGoesOnWithinTheBudget) {
