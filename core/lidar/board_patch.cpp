@@ -55,9 +55,8 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
     if (distance < -margin) {
       if (ray.end == RayEnd::on) {
         ++on;
-        const int row = context.image.row(ray.cell);
-        evidence.rows += row != last_row;
-        last_row = row;
+        evidence.rows += ray.row != last_row;
+        last_row = ray.row;
       } else {
         hollow += ray.end == RayEnd::behind ? 1 : ray.end == RayEnd::front ? 0.5 : 0.3;
       }
@@ -86,12 +85,12 @@ Evidence weigh(const PatchContext& context, const Placed& placed, double margin)
 /// Is the cell beside one that is off the plane? Its own return may be a
 /// mixture of both. Judged by the neighbours, so that it does not depend on the
 /// return's own noise.
-bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t cell, double band) {
+bool beside_other(const PatchContext& context, const Plane& plane, const PatchRay& ray, double band) {
   const RingImage& image = context.image;
-  const int row = image.row(cell), column = image.column(cell);
+  const int row = ray.row, column = image.column(ray.cell, row);
   // Where rings lie farther apart than a beam is wide, the next one tells
   // nothing.
-  const bool close_rows = image.range[cell] * image.row_angle[static_cast<std::size_t>(row)] < 0.03f;
+  const bool close_rows = image.range[ray.cell] * image.row_angle[static_cast<std::size_t>(row)] < 0.03f;
   for (const auto& [dr, dc] : {std::pair{0, -1}, {0, 1}, {-1, 0}, {1, 0}}) {
     if (row + dr < 0 || row + dr >= image.rows || (dr != 0 && !close_rows)) continue;
     const std::size_t i = image.index(row + dr, image.wrap(column + dc));
@@ -100,31 +99,32 @@ bool beside_other(const PatchContext& context, const Plane& plane, std::uint32_t
   return false;
 }
 
+/// Returns with their points in double precision.
+struct Inside {
+  std::vector<std::uint32_t> returns;
+  std::vector<Eigen::Vector3d> points;
+};
+
 /// Of all rays, those that meet the plane inside the rectangle, a margin from its rim: their returns within
-/// `band` of it (m, along the normal, the same to both sides, as the rays were viewed with).
-std::vector<std::uint32_t> returns_inside(const PatchContext& context, const Placed& placed, double margin,
-                                          double band) {
-  std::vector<std::uint32_t> list;
+/// `band` of it (m, along the normal, the same to both sides, as the rays were viewed with), but for
+/// `covered` ones (sorted).
+Inside returns_inside(const PatchContext& context, const Placed& placed, double margin, double band,
+                      const std::vector<std::uint32_t>& covered) {
+  Inside inside;
+  const Plane& plane = placed.frame.plane;
   for (const PatchRay& ray : placed.rays) {
     int side = 0;
     if (ray.end != RayEnd::on || outside(context, placed.rectangle, ray, side) > -margin) continue;
-    if (beside_other(context, placed.frame.plane, ray.cell, band)) continue;
-    const int row = context.image.row(ray.cell);
-    const int column = context.image.column(ray.cell);
-    for (const std::uint32_t i :
-         context.projection.cell(context.image.ring[static_cast<std::size_t>(row)], column)) {
-      if (std::abs(placed.frame.plane.distance(context.scan.points[i].cast<double>())) < band)
-        list.push_back(i);
+    if (beside_other(context, plane, ray, band)) continue;
+    for (const std::uint32_t i : context.projection.cell(ray.cell)) {
+      const Eigen::Vector3d point = context.projection.point_of(i, ray.cell, context.scan).cast<double>();
+      if (!(std::abs(plane.distance(point)) < band)) continue;
+      if (std::binary_search(covered.begin(), covered.end(), i)) continue;
+      inside.returns.push_back(i);
+      inside.points.push_back(point);
     }
   }
-  return list;
-}
-
-std::vector<Eigen::Vector3d> points_of(const Scan& scan, const std::vector<std::uint32_t>& returns) {
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(returns.size());
-  for (const std::uint32_t i : returns) points.push_back(scan.points[i].cast<double>());
-  return points;
+  return inside;
 }
 
 std::string explain(const Evidence& evidence, const BoardCandidate& candidate) {
@@ -175,14 +175,13 @@ std::optional<BoardCandidate> judge_look(const PatchContext& context, const Firs
   // The plane of the board's own returns, and its own noise.
   const double first_band = std::clamp(3.5 * context.noise, 0.02, 0.08);
   const double diagonal = std::hypot(context.width, context.height);
-  const std::vector<Eigen::Vector3d> points = points_of(
-      context.scan, returns_inside(context, with_all_rays(context, look.placed, 0.5 * diagonal, first_band),
-                                   look.margin, first_band));
-  if (points.size() < 6) return std::nullopt;
+  const Inside first = returns_inside(
+      context, with_all_rays(context, look.placed, 0.5 * diagonal, first_band), look.margin, first_band, {});
+  if (first.points.size() < 6) return std::nullopt;
   const auto near_plane = [](const RangeFit& fit, const Eigen::Vector3d& at) {
     return std::clamp(4 * fit.sigma * std::abs(fit.plane.normal.dot(at.normalized())), 0.015, 0.09);
   };
-  RangeFit fit = fit_ranges(points, look.placed.frame.plane);
+  RangeFit fit = fit_ranges(first.points, look.placed.frame.plane);
   const double band = near_plane(fit, centre_of(look.placed));
   const Placed placed =
       place_rectangle(context, fit.plane, centre_of(look.placed), {0.8 * diagonal, band, kSecondLook});
@@ -192,12 +191,10 @@ std::optional<BoardCandidate> judge_look(const PatchContext& context, const Firs
   BoardCandidate candidate;
   candidate.covered = find_covered_returns(context.projection, context.image, fit.plane, centre_of(placed),
                                            all.rays, fit.sigma);
-  for (const std::uint32_t i : returns_inside(context, all, look.margin, band)) {
-    if (!std::binary_search(candidate.covered.begin(), candidate.covered.end(), i))
-      candidate.returns.push_back(i);
-  }
-  if (candidate.returns.size() < 8) return std::nullopt;
-  fit = fit_ranges(points_of(context.scan, candidate.returns), placed.frame.plane);
+  Inside inside = returns_inside(context, all, look.margin, band, candidate.covered);
+  if (inside.returns.size() < 8) return std::nullopt;
+  candidate.returns = std::move(inside.returns);
+  fit = fit_ranges(inside.points, placed.frame.plane);
   candidate.plane = fit.plane;
   candidate.rms = fit.rms;
   candidate.T_lidar_board = pose_of(placed, fit.plane);

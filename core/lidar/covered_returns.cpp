@@ -33,21 +33,20 @@ struct Heights {
 Heights heights_of(const RingImage& image, std::span<const PatchRay> rays, float band) {
   int low = image.rows, high = -1, least = 0, most = 0;
   const int origin = image.column(rays.front().cell);
-  const auto place = [&](std::uint32_t cell) {
-    const int turn = image.wrap(image.column(cell) - origin + image.columns / 2);
-    return (turn % image.columns) - image.columns / 2;
+  const auto place = [&](const PatchRay& ray) {
+    return image.wrap(image.column(ray.cell, ray.row) - origin + image.columns / 2) - image.columns / 2;
   };
   for (const PatchRay& ray : rays) {
-    low = std::min(low, image.row(ray.cell));
-    high = std::max(high, image.row(ray.cell));
-    least = std::min(least, place(ray.cell));
-    most = std::max(most, place(ray.cell));
+    low = std::min(low, int{ray.row});
+    high = std::max(high, int{ray.row});
+    least = std::min(least, place(ray));
+    most = std::max(most, place(ray));
   }
   Heights all{high - low + 1, most - least + 1, {}, {}};
   all.height.assign(static_cast<std::size_t>(all.rows) * all.columns, nothing);
   all.cell.assign(all.height.size(), 0);
   for (const PatchRay& ray : rays) {
-    const std::size_t i = all.at(image.row(ray.cell) - low, place(ray.cell) - least);
+    const std::size_t i = all.at(ray.row - low, place(ray) - least);
     all.cell[i] = ray.cell;
     if (ray.end != RayEnd::absent && ray.distance >= -band)
       all.height[i] = std::min(ray.distance, most_height);
@@ -120,7 +119,7 @@ std::vector<std::uint32_t> find_covered_returns(const Projection& projection, co
   take_out_rings(all, band);
   const double distance = centre.norm();
   const auto reach = [&](double gap) { return static_cast<int>(half_window / (distance * gap) + 0.5); };
-  const auto middle_row = static_cast<std::size_t>(image.row(rays[rays.size() / 2].cell));
+  const auto middle_row = std::size_t{rays[rays.size() / 2].row};
   const int rows = std::min(reach(image.row_angle[middle_row]), 4);
   const int columns = std::clamp(reach(image.column_angle), 1, 8);
   std::vector<char> covered(all.height.size(), 0);
@@ -130,7 +129,8 @@ std::vector<std::uint32_t> find_covered_returns(const Projection& projection, co
     for (int column = 0; column < all.columns; ++column) {
       const int least = std::max(0, column - columns), most = std::min(all.columns, column + columns + 1);
       const auto [sum, count] = sums.over(low, high, least, most);
-      if (count < 2 || sum / count < least_height + least_sigmas * across / std::sqrt(count)) continue;
+      if (count < 2 || sum < 0.5 * least_height * count) continue;  // as good as all of a board
+      if (sum / count < least_height + least_sigmas * across / std::sqrt(count)) continue;
       for (int r = low; r < high; ++r)
         std::fill(&covered[all.at(r, least)], &covered[all.at(r, least)] + (most - least), 1);
     }

@@ -128,10 +128,11 @@ class RimFinder {
                               projection_.columns / 2 - 1);
     const int middle = static_cast<int>((std::numbers::pi - azimuth_) * columns_per_rad);
     // Columns rise clockwise.
-    for (int k = half; k >= -half; --k) {
-      const int column = ((middle + k) % projection_.columns + projection_.columns) % projection_.columns;
-      for (const std::uint32_t i : projection_.cell(ring, column)) {
-        auto sample = look(scan_.points[i], height);
+    int column = (middle + half) % projection_.columns;
+    for (int k = half; k >= -half; --k, column = column > 0 ? column - 1 : projection_.columns - 1) {
+      const std::size_t cell = projection_.index(ring, column);
+      for (const std::uint32_t i : projection_.cell(cell)) {
+        auto sample = look(projection_.point_of(i, cell, scan_), height);
         if (!sample) continue;
         if (std::binary_search(board_.covered.begin(), board_.covered.end(), i)) sample->seen = Seen::before;
         all.push_back(*sample);

@@ -1,8 +1,5 @@
 #include "core/lidar/outline_fit.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace ca2 {
 namespace {
 
@@ -45,14 +42,6 @@ Pose pose_of(const Placed& placed, const Plane& plane) {
   pose.R << x, z.cross(x), z;
   pose.t = centre - plane.distance(centre) * plane.normal;
   return pose;
-}
-
-double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray, int& side) {
-  double x = 0, y = 0;
-  rectangle.local(ray.u, ray.v, x, y);
-  const double dx = std::abs(x) - context.width / 2, dy = std::abs(y) - context.height / 2;
-  side = dx > dy ? (x > 0 ? 0 : 1) : (y > 0 ? 2 : 3);
-  return std::max(dx, dy);
 }
 
 }  // namespace ca2

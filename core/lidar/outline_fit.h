@@ -1,6 +1,8 @@
 /// @file The board's outline laid over what the rays around a plane tell.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -46,7 +48,14 @@ Eigen::Vector3d centre_of(const Placed& placed);
 Pose pose_of(const Placed& placed, const Plane& plane);
 
 /// Distance (m) by which a ray passes outside the rectangle, negative inside,
-/// and beyond which of its sides (0..3).
-double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray, int& side);
+/// and beyond which of its sides (0..3). Asked for every ray.
+inline double outside(const PatchContext& context, const PlaneRectangle& rectangle, const PatchRay& ray,
+                      int& side) {
+  double x = 0, y = 0;
+  rectangle.local(ray.u, ray.v, x, y);
+  const double dx = std::abs(x) - context.width / 2, dy = std::abs(y) - context.height / 2;
+  side = dx > dy ? (x > 0 ? 0 : 1) : (y > 0 ? 2 : 3);
+  return std::max(dx, dy);
+}
 
 }  // namespace ca2

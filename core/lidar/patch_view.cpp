@@ -139,6 +139,7 @@ std::vector<PatchRay> view_patch(const RingImage& image, const PatchFrame& frame
       ray.u = lanes.u()[k];
       ray.v = lanes.v()[k];
       ray.end = RayEnd::absent;
+      ray.row = static_cast<std::uint16_t>(row);
       ray.cell = cells[k];
       if (image.range[cells[k]] == 0) continue;
       ray.distance = lanes.distance()[k];

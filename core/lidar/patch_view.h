@@ -24,6 +24,7 @@ struct PatchRay {
   float distance;  ///< m, of the return from the plane, positive towards the
                    ///< sensor; 0 when absent
   RayEnd end;
+  std::uint16_t row;   ///< of the ring image
   std::uint32_t cell;  ///< of the ring image
 };
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/lidar/scan_grid.h"
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
@@ -64,28 +65,56 @@ int stride_of(int columns) {
   return ((columns + in_line - 1) / in_line | 1) * in_line;
 }
 
+/// Squared ranges (m^2); 0 for what has no place.
+CA2_HOT_LOOP void square_ranges(std::size_t size, const float* __restrict points,
+                                const std::uint16_t* __restrict ring, float* __restrict out) {
+  for (std::size_t i = 0; i < size; ++i) {
+    const float x = points[3 * i], y = points[3 * i + 1], z = points[3 * i + 2];
+    out[i] = x * x + (y * y + z * z);  // as squaredNorm() adds them
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    const bool good = (out[i] > least_square) & (out[i] < most_square);
+    out[i] = good & (ring[i] != RingIds::none) ? out[i] : 0.0f;
+  }
+}
+
+CA2_HOT_LOOP bool any_beyond(std::uint32_t count, std::size_t size, const std::uint32_t* __restrict column) {
+  std::uint32_t highest = 0;
+  for (std::size_t i = 0; i < size; ++i) highest = column[i] > highest ? column[i] : highest;
+  return highest >= count;
+}
+
 /// Every return that has a place, with its cell and range (m), to `take`, until
 /// that says false.
 template <class Take>
 bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& columns, int stride,
                      Take take) {
+  constexpr std::size_t at_once = 512;
+  float squares[at_once];
+  std::uint32_t turned[at_once];
   // Plain pointers, as the compiler must not think that `take` moves the
   // arrays.
-  const std::uint16_t* const ring = rings.of(scan).data();
-  const std::uint32_t* const column = columns.of(scan).data();
-  const Eigen::Vector3f* const points = scan.points.data();
   const std::uint32_t* const shift = columns.shift.data();
   const auto count = static_cast<std::uint32_t>(columns.columns);
-  const bool backwards = columns.backwards;
-  for (std::size_t i = 0, size = scan.size(); i < size; ++i) {
-    const float square = points[i].squaredNorm();
-    if (ring[i] == RingIds::none || !is_return(square)) continue;
-    std::uint32_t id = column[i] < count ? column[i] : column[i] % count;
-    if (backwards && id > 0) id = count - id;
-    id += shift[ring[i]];
-    if (id >= count) id -= count;
-    const std::size_t cell = static_cast<std::size_t>(ring[i]) * stride + id;
-    if (!take(static_cast<std::uint32_t>(i), cell, std::sqrt(square))) return false;
+  for (std::size_t first = 0; first < scan.size(); first += at_once) {
+    const std::size_t size = std::min(at_once, scan.size() - first);
+    const std::uint16_t* const ring = rings.of(scan).data() + first;
+    const std::uint32_t* column = columns.of(scan).data() + first;
+    square_ranges(size, scan.points[first].data(), ring, squares);
+    if (columns.backwards || any_beyond(count, size, column)) {
+      for (std::size_t k = 0; k < size; ++k) {
+        const std::uint32_t id = column[k] < count ? column[k] : column[k] % count;
+        turned[k] = columns.backwards && id > 0 ? count - id : id;
+      }
+      column = turned;
+    }
+    for (std::size_t k = 0; k < size; ++k) {
+      if (squares[k] == 0) continue;
+      std::uint32_t id = column[k] + shift[ring[k]];
+      if (id >= count) id -= count;
+      const std::size_t cell = static_cast<std::size_t>(ring[k]) * stride + id;
+      if (!take(static_cast<std::uint32_t>(first + k), cell, std::sqrt(squares[k]))) return false;
+    }
   }
   return true;
 }
@@ -95,7 +124,7 @@ bool for_each_return(const Scan& scan, const RingIds& rings, const ColumnIds& co
 bool fill_one_per_cell(const Scan& scan, const RingIds& rings, const ColumnIds& columns, Projection& out) {
   const std::size_t cells = static_cast<std::size_t>(out.rings) * out.stride;
   out.first.clear();
-  out.returns.assign(cells, Projection::none);
+  out.returns.resize(cells);
   out.range.assign(cells, 0.0f);
   std::uint32_t* const returns = out.returns.data();
   float* const ranges = out.range.data();

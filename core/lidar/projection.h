@@ -23,8 +23,8 @@ struct Projection {
   int stride = 0;      ///< cells from one ring to the next; those past `columns` are empty
   bool beams = false;  ///< rings are the sensor's, not just slices of elevation
   /// Indices of the scan, cell by cell; NaN and zero points are left out. Where
-  /// no cell has two returns (one sweep), there is one place per cell, `none`
-  /// for an empty one; else `first` says where a cell begins.
+  /// no cell has two returns (one sweep), there is one place per cell, without
+  /// a meaning for an empty one; else `first` says where a cell begins.
   std::vector<std::uint32_t> returns;
   std::vector<std::uint32_t> first;  ///< empty, or [cell], into `returns`; one more at the end
   /// m, [cell] of its return where no cell has two, ring by ring: a scan's own points lie column by column,
@@ -41,15 +41,17 @@ struct Projection {
   /// counted in this scan: another one's may have other numbers. Candidates share it.
   std::shared_ptr<const std::vector<std::uint16_t>> found_ring;
 
-  static constexpr std::uint32_t none = 0xffffffff;
-
   std::size_t index(int ring, int column) const { return static_cast<std::size_t>(ring) * stride + column; }
   bool one_per_cell() const { return first.empty(); }
   std::span<const std::uint32_t> cell(std::size_t i) const {
-    if (one_per_cell()) return {&returns[i], static_cast<std::size_t>(returns[i] != none)};
+    if (one_per_cell()) return {&returns[i], static_cast<std::size_t>(range[i] != 0)};
     return std::span(returns).subspan(first[i], first[i + 1] - first[i]);
   }
   std::span<const std::uint32_t> cell(int ring, int column) const { return cell(index(ring, column)); }
+  /// Of a return in a cell.
+  const Eigen::Vector3f& point_of(std::uint32_t i, std::size_t cell, const Scan& scan) const {
+    return one_per_cell() ? point[cell] : scan.points[i];
+  }
   /// rad between neighbouring columns
   double column_angle() const;
 };

@@ -53,6 +53,7 @@ class SlidingWindow {
   void fill(const std::vector<std::int32_t>& bins, const std::vector<std::int32_t>& weights) {
     std::fill(bins_.begin(), bins_.end(), 0);
     std::int32_t* const sums = bins_.data();
+#pragma GCC unroll 4
     for (std::size_t i = 0; i < bins.size(); ++i) sums[bins[i]] += weights[i];
   }
   /// Centre of the best window, the middle of the stretch of equally good ones;
@@ -152,11 +153,6 @@ class Search {
 };
 
 }  // namespace
-
-void PlaneRectangle::local(double pu, double pv, double& x, double& y) const {
-  x = cosine * (pu - u) + sine * (pv - v);
-  y = cosine * (pv - v) - sine * (pu - u);
-}
 
 void PlaneRectangle::turn(double to) {
   angle = to;

@@ -20,7 +20,10 @@ struct PlaneRectangle {
   double cosine = 1, sine = 0;  ///< of the angle
 
   /// Coordinates along the rectangle's sides, from its centre.
-  void local(double pu, double pv, double& x, double& y) const;
+  void local(double pu, double pv, double& x, double& y) const {
+    x = cosine * (pu - u) + sine * (pv - v);
+    y = cosine * (pv - v) - sine * (pu - u);
+  }
   void turn(double to);
 };
 

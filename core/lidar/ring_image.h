@@ -36,8 +36,10 @@ struct RingImage {
   std::size_t index(int row, int column) const {
     return static_cast<std::size_t>(ring[static_cast<std::size_t>(row)]) * stride + column;
   }
-  int row(std::size_t cell) const { return row_of[cell / static_cast<std::size_t>(stride)]; }
-  int column(std::size_t cell) const { return static_cast<int>(cell % static_cast<std::size_t>(stride)); }
+  int row(std::uint32_t cell) const { return row_of[cell / static_cast<std::uint32_t>(stride)]; }
+  int column(std::uint32_t cell) const { return static_cast<int>(cell % static_cast<std::uint32_t>(stride)); }
+  /// Of a cell in that row: without a division.
+  int column(std::uint32_t cell, int row) const { return static_cast<int>(cell - index(row, 0)); }
   int wrap(int column) const {
     return column < 0 ? column + columns : column >= columns ? column - columns : column;
   }

@@ -25,8 +25,9 @@ inline float fast_azimuth(float x, float y) {
 
 /// A return that is one: finite, and not the zeros some drivers write for a
 /// missing return.
+inline constexpr float least_square = 1e-4f, most_square = 1e8f;  // m^2
 inline bool is_return(float squared_range) {
-  return squared_range > 1e-4f && squared_range < 1e8f;
+  return squared_range > least_square && squared_range < most_square;
 }
 inline bool is_return(const Eigen::Vector3f& p) {
   return is_return(p.squaredNorm());
