@@ -1,4 +1,4 @@
-/// `ca2 bench detect`: our search for a board against OpenCV's two, board present and absent.
+/// `ca2 bench detect`: our search for a board against OpenCV's, board present and absent.
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -6,20 +6,22 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <deque>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/calib3d.hpp>
+#include <opencv2/core/utility.hpp>
 
 #include "core/io/files.h"
 #include "tools/ca2/bench.h"
+#include "tools/ca2/bench_detect_peers.h"
 #include "tools/ca2/bench_pictures.h"
 #include "tools/ca2/bench_timing.h"
 
 namespace ca2 {
 namespace {
 
-// CPU seconds after which a peer is stopped: the default search can take minutes on texture.
+// CPU seconds after which an endless peer is stopped.
 constexpr int peer_limit_s = 4;
 
 struct Run {
@@ -55,46 +57,16 @@ Run timed_in_child(const std::function<bool()>& search) {
   return run;
 }
 
-struct Sets {
+/// One board's pictures of one kind.
+struct Set {
   std::string name;
   Board board;
   bool present = false;
-  std::vector<BenchPicture> pictures;
+  const std::vector<BenchPicture>* pictures = nullptr;
 };
 
 // The peers take seconds on hard pictures: they search so many of each set, ours all of them.
 constexpr std::size_t peer_pictures = 20;
-
-/// The four searches over one picture, each the median of interleaved repeats; the default search runs once.
-struct Row {
-  Run find, detect, sectors, classic;
-};
-
-Run median(std::vector<Run> runs) {
-  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.ms < b.ms; });
-  return runs[runs.size() / 2];
-}
-
-Row measure(const Board& board, const Image& image, int repeats, bool with_peers) {
-  const cv::Mat picture(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.bytes.data()));
-  const cv::Size size(board.columns, board.rows);
-  std::vector<Run> find, detect, sectors;
-  for (int i = 0; i < repeats; ++i) {
-    find.push_back(timed([&] { return !board.type->find(board, image).empty(); }));
-    detect.push_back(timed([&] { return !detect_board(board, image).empty(); }));
-    if (!with_peers) continue;
-    sectors.push_back(timed([&] {
-      std::vector<cv::Point2f> corners;
-      return cv::findChessboardCornersSB(picture, size, corners, cv::CALIB_CB_EXHAUSTIVE);
-    }));
-  }
-  if (!with_peers) return {median(find), median(detect), {}, {}};
-  const Run classic = timed_in_child([&] {
-    std::vector<cv::Point2f> corners;
-    return cv::findChessboardCorners(picture, size, corners);
-  });
-  return {median(find), median(detect), median(sectors), classic};
-}
 
 struct Column {
   std::vector<double> ms;
@@ -106,11 +78,6 @@ struct Column {
     found += run.found ? 1 : 0;
     stopped += run.stopped ? 1 : 0;
   }
-  double middle() const {
-    std::vector<double> sorted = ms;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[sorted.size() / 2];
-  }
   double worst() const { return *std::max_element(ms.begin(), ms.end()); }
   double sum() const {
     double total = 0;
@@ -119,68 +86,129 @@ struct Column {
   }
 };
 
-nlohmann::json report(const Sets& set, int repeats, bool quiet) {
-  Column find, detect, beside_peers, sectors, classic;
-  for (std::size_t i = 0; i < set.pictures.size(); ++i) {
-    const bool with_peers = i < (set.present ? peer_pictures : peer_pictures / 5);
-    const Row row = measure(set.board, set.pictures[i].image, repeats, with_peers);
-    find.add(row.find);
-    detect.add(row.detect);
-    if (!with_peers) continue;
-    beside_peers.add(row.find);
-    sectors.add(row.sectors);
-    classic.add(row.classic);
-  }
-  const double ratio = beside_peers.sum() / sectors.sum();
-  const double ratio_classic = beside_peers.sum() / classic.sum();
-  if (!quiet) {
-    std::printf(
-        "%-22s %3zu | %6.1f /%6.1f  %6.1f | %7.1f /%7.1f | %7.1f /%7.1f%s | %6.3f  %6.3f | %3d  %3d %3d "
-        "%3d\n",
-        set.name.c_str(), set.pictures.size(), find.middle(), find.worst(), detect.middle(), sectors.middle(),
-        sectors.worst(), classic.middle(), classic.worst(), classic.stopped > 0 ? "+" : " ", ratio,
-        ratio_classic, find.found, beside_peers.found, sectors.found, classic.found);
-    std::fflush(stdout);
-  }
-  return {{"set", set.name},
-          {"pictures", set.pictures.size()},
-          {"present", set.present},
-          {"find_ms", {find.middle(), find.worst()}},
-          {"find_and_refine_ms", {detect.middle(), detect.worst()}},
-          {"sector_search_ms", {sectors.middle(), sectors.worst()}},
-          {"default_search_ms", {classic.middle(), classic.worst()}},
-          {"default_search_stopped", classic.stopped},
-          {"find_over_sector_search", ratio},
-          {"find_over_default_search", ratio_classic},
-          {"found", find.found},
-          {"found_beside_peers", {beside_peers.found, sectors.found, classic.found}}};
+Run middle(std::vector<Run> runs) {
+  std::sort(runs.begin(), runs.end(), [](const Run& a, const Run& b) { return a.ms < b.ms; });
+  return runs[runs.size() / 2];
 }
 
-Result<std::vector<Sets>> picture_sets(const BenchOptions& options) {
-  std::mt19937_64 random(2024);
-  Board board = bench_board();
-  std::vector<Sets> sets;
-  for (const BenchCamera& bench : bench_cameras()) {
-    sets.push_back({std::string("present ") + bench.name, board, true,
-                    board_pictures("board", board, bench.camera, bench.places, 8, random)});
-  }
-  std::map<std::string, std::vector<BenchPicture>> by_kind;
-  for (BenchPicture& picture : hard_pictures(1388, 1038, 34, random))
-    by_kind[picture.kind].push_back(std::move(picture));
-  for (auto& [kind, pictures] : by_kind)
-    sets.push_back({"absent " + kind, board, false, std::move(pictures)});
-  if (!options.data.empty()) {
-    board.columns = 7;
-    board.rows = 5;
-    board.square = 0.095;
-    Sets real{"present real 1920x1208", board, true, {}};
-    for (int i = 1; i < 40; i += 2) {
-      const auto image =
-          read_png(options.data / "acfr_vlp16" / "images" / ("pose" + std::to_string(i) + ".png"));
-      if (!image) return fail(image.error());
-      real.pictures.push_back({"real", to_grey8(*image)});
+/// Ours on all pictures and, as the peers, on the first of them.
+struct Table {
+  Column find, detect, beside_peers;
+  std::vector<Column> peers;
+};
+
+/// Every search of one picture is the median of interleaved repeats; an endless one runs once.
+void measure(const Board& board, const Image& image, int repeats, const std::vector<PeerSearch>& peers,
+             bool with_peers, Table& table) {
+  std::vector<Run> find, detect;
+  std::vector<std::vector<Run>> theirs(peers.size());
+  for (int i = 0; i < repeats; ++i) {
+    find.push_back(timed([&] { return !board.type->find(board, image).empty(); }));
+    detect.push_back(timed([&] { return !detect_board(board, image).empty(); }));
+    for (std::size_t k = 0; with_peers && k < peers.size(); ++k) {
+      if (!peers[k].endless) theirs[k].push_back(timed([&] { return peers[k].found(board, image); }));
     }
-    sets.push_back(std::move(real));
+  }
+  table.find.add(middle(find));
+  table.detect.add(middle(detect));
+  if (!with_peers) return;
+  table.beside_peers.add(middle(find));
+  for (std::size_t k = 0; k < peers.size(); ++k) {
+    if (peers[k].endless) theirs[k].push_back(timed_in_child([&] { return peers[k].found(board, image); }));
+    table.peers[k].add(middle(theirs[k]));
+  }
+}
+
+nlohmann::json report(const Set& set, int repeats, bool quiet) {
+  const std::vector<PeerSearch> peers = peer_searches(set.board);
+  Table table;
+  table.peers.resize(peers.size());
+  for (std::size_t i = 0; i < set.pictures->size(); ++i) {
+    const bool with_peers = i < (set.present ? peer_pictures : peer_pictures / 5);
+    measure(set.board, (*set.pictures)[i].image, repeats, peers, with_peers, table);
+  }
+  nlohmann::json row{{"board", set.board.type->name()},
+                     {"set", set.name},
+                     {"pictures", set.pictures->size()},
+                     {"present", set.present},
+                     {"find_ms", {median(table.find.ms), table.find.worst()}},
+                     {"find_and_refine_ms", {median(table.detect.ms), table.detect.worst()}},
+                     {"found", table.find.found},
+                     {"found_beside_peers", table.beside_peers.found},
+                     {"peers", nlohmann::json::array()}};
+  std::string text, found;
+  char cell[64];
+  for (std::size_t k = 0; k < peers.size(); ++k) {
+    const Column& peer = table.peers[k];
+    const double ratio = table.beside_peers.sum() / peer.sum();
+    std::snprintf(cell, sizeof cell, " | %7.1f /%7.1f%s %6.3f", median(peer.ms), peer.worst(),
+                  peer.stopped > 0 ? "+" : " ", ratio);
+    text += cell;
+    std::snprintf(cell, sizeof cell, " %3d", peer.found);
+    found += cell;
+    row["peers"].push_back({{"name", peers[k].name},
+                            {"ms", {median(peer.ms), peer.worst()}},
+                            {"stopped", peer.stopped},
+                            {"find_over_it", ratio},
+                            {"found", peer.found}});
+  }
+  if (!quiet) {
+    std::printf("%-21s %3zu | %6.1f /%6.1f  %6.1f%s | %3d  %3d%s\n", set.name.c_str(), set.pictures->size(),
+                median(table.find.ms), table.find.worst(), median(table.detect.ms), text.c_str(),
+                table.find.found, table.beside_peers.found, found.c_str());
+    std::fflush(stdout);
+  }
+  return row;
+}
+
+void print_header(const Board& board) {
+  std::printf("\n%-21s %3s | %14s  %6s", std::string(board.type->name()).c_str(), "n", "find", "+refine");
+  for (const PeerSearch& peer : peer_searches(board)) std::printf(" | %16s  %6s", peer.name.c_str(), "ratio");
+  std::printf(" | found by\n");
+}
+
+Result<std::vector<BenchPicture>> real_pictures(const BenchOptions& options) {
+  std::vector<BenchPicture> pictures;
+  for (int i = 1; i < 40 && !options.data.empty(); i += 2) {
+    const auto image =
+        read_png(options.data / "acfr_vlp16" / "images" / ("pose" + std::to_string(i) + ".png"));
+    if (!image) return fail(image.error());
+    pictures.push_back({"real", to_grey8(*image)});
+  }
+  return pictures;
+}
+
+/// The pictures that sets refer to: what is hard about pictures without a board is so for every type.
+struct Pictures {
+  std::deque<std::vector<BenchPicture>> present;
+  std::map<std::string, std::vector<BenchPicture>> absent;
+};
+
+Result<std::vector<Set>> picture_sets(const BenchOptions& options, Pictures& pictures) {
+  std::vector<Set> sets;
+  std::mt19937_64 random(2024);
+  for (BenchPicture& picture : hard_pictures(1388, 1038, 34, random))
+    pictures.absent[picture.kind].push_back(std::move(picture));
+  for (const Board& board : bench_boards()) {
+    const std::string type(board.type->name());
+    if (type.find(options.only) == std::string::npos) continue;
+    for (const BenchCamera& bench : bench_cameras()) {
+      pictures.present.push_back(
+          board_pictures("board", board, bench.camera, bench.places, peer_pictures, random));
+      sets.push_back({std::string("present ") + bench.name, board, true, &pictures.present.back()});
+    }
+    for (const auto& [kind, absent] : pictures.absent)
+      sets.push_back({"absent " + kind, board, false, &absent});
+    if (type != "checkerboard") continue;
+    auto real = real_pictures(options);
+    if (!real) return fail(real.error());
+    if (real->empty()) continue;
+    pictures.present.push_back(std::move(*real));
+    Board shown = board;
+    shown.columns = 7;
+    shown.rows = 5;
+    shown.square = 0.095;
+    sets.push_back({"present real 1920x1208", shown, true, &pictures.present.back()});
   }
   return sets;
 }
@@ -189,21 +217,26 @@ Result<std::vector<Sets>> picture_sets(const BenchOptions& options) {
 
 Result<int> bench_detect(const BenchOptions& options) {
   cv::setNumThreads(1);
-  const auto sets = picture_sets(options);
+  Pictures pictures;
+  const auto sets = picture_sets(options, pictures);
   if (!sets) return fail(sets.error());
   if (!options.json) {
     std::printf(
-        "CPU ms per picture, median / worst, one thread. Ours: find, find + refine. OpenCV: the "
-        "sector-based\n"
-        "search (exhaustive) and the default one (+: stopped at %d s). Ratios are of find's sum over "
-        "theirs, on the first %zu pictures (a fifth of it where no board is): the last columns count what\n"
-        "ours found in all, and ours, the sector-based and the default search on those.\n\n"
-        "%-22s %3s | %14s  %6s | %16s | %16s  | %6s  %6s | found by\n",
-        peer_limit_s, peer_pictures, "pictures", "n", "find", "+refine", "sector-based", "default", "/sect.",
-        "/def.");
+        "CPU ms per picture, median / worst, one thread. Ours: find, find + refine. OpenCV: a "
+        "checkerboard's\n"
+        "sector-based search (exhaustive) and default one (+: stopped at %d s), a ChArUco's markers and the\n"
+        "corners between them. Ratios are of find's sum over theirs, on the first %zu pictures (a fifth of "
+        "it\n"
+        "where no board is): the last columns count what ours found in all, and ours and theirs on those.\n",
+        peer_limit_s, peer_pictures);
   }
   nlohmann::json rows = nlohmann::json::array();
-  for (const Sets& set : *sets) rows.push_back(report(set, options.repeats, options.json));
+  std::string_view type;
+  for (const Set& set : *sets) {
+    if (!options.json && set.board.type->name() != type) print_header(set.board);
+    type = set.board.type->name();
+    rows.push_back(report(set, options.repeats, options.json));
+  }
   if (options.json) std::printf("%s\n", rows.dump(2).c_str());
   return 0;
 }

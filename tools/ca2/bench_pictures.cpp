@@ -154,6 +154,24 @@ Board bench_board() {
   return board;
 }
 
+std::vector<Board> bench_boards() {
+  std::vector<Board> boards{bench_board()};
+  Board charuco = bench_board();
+  charuco.type = find_board_type("charuco");
+  charuco.columns = 9;
+  charuco.rows = 7;
+  charuco.marker = 0.03;
+  if (charuco.type != nullptr) boards.push_back(charuco);
+  Board aprilgrid;
+  aprilgrid.type = find_board_type("aprilgrid");
+  aprilgrid.columns = 6;
+  aprilgrid.rows = 5;
+  aprilgrid.square = 0.045;
+  aprilgrid.spacing = 0.3;
+  boards.push_back(aprilgrid);
+  return boards;
+}
+
 std::vector<BenchCamera> bench_cameras() {
   return {{"848x800 wide",
            camera_of("kannala_brandt", {286, 286, 424, 400, -0.007, 0.044, -0.042, 0.007}, 848, 800),

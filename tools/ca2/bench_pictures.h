@@ -43,8 +43,11 @@ struct BenchCamera {
 /// A tracking camera's fisheye, an industrial camera, a large one.
 std::vector<BenchCamera> bench_cameras();
 
-/// 8 x 6 corners of 40 mm.
+/// A checkerboard of 8 x 6 corners of 40 mm.
 Board bench_board();
+
+/// That, and one of every other type, of about its size; only types that this build has.
+std::vector<Board> bench_boards();
 
 /// What searches stumble over: texture, foliage, a keyboard, blinds, windows, a checkered floor; `each` of
 /// every kind.
