@@ -19,16 +19,10 @@ bool span_plane(const Board& board, const std::vector<Corner>& corners) {
   return p.jacobiSvd().singularValues()[1] > 0.5 * board.square;
 }
 
-/// The corners of a board of markers: moved to the saddles that the picture shows, and with those whose
-/// markers could not be read but that are next to others. What shows no saddle stays as it is.
-std::vector<Corner> completed(const Board& board, const Image& grey8, const std::vector<Corner>& found) {
+/// The corners of a board of markers, and those whose markers could not be read but that are next to others.
+std::vector<Corner> completed(const Board& board, const Image& grey8, std::vector<Corner> corners) {
   const CornerSearch search(board, grey8);
-  std::vector<Corner> corners = search.find(found, 0.35);
   while (search.grow(corners, 0.25) > 0) {
-  }
-  for (const Corner& corner : found) {
-    const auto same = [&](const Corner& other) { return other.id == corner.id; };
-    if (std::none_of(corners.begin(), corners.end(), same)) corners.push_back(corner);
   }
   std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
   return corners;

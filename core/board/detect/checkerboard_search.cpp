@@ -147,13 +147,13 @@ std::vector<Corner> find_checkerboard(int columns, int rows, const Image& grey8)
   if (grey8.empty() || columns < 3 || rows < 3) return {};
   const std::vector<SaddleLevel> levels = saddle_levels(grey8);
   const std::vector<Saddle> saddles = strongest_saddles(levels);
-  const auto links = link_neighbours(levels, saddles);
+  const auto links = link_neighbours(levels, saddles, {});
   const auto wanted = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   // A larger chessboard is another one: no need to follow it to its end.
   const std::size_t most = 2 * wanted + 40;
   for (Lattice& piece :
        connected_lattices(saddles, links, std::max<std::size_t>(4, wanted / 6), most_pieces)) {
-    grow(levels, piece, most);
+    grow(levels, piece, most, {});
     if (piece.size() < wanted || piece.size() > most) continue;
     std::optional<Lattice> lattice = window_of(piece, columns, rows);
     if (!lattice && columns != rows) lattice = window_of(piece, rows, columns);

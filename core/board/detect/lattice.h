@@ -23,14 +23,22 @@ inline int bright_slot(int slot) {
   return slot ^ 1;
 }
 
+/// How the squares of a chessboard are printed, as far as the search for its lattice must know.
+struct Squares {
+  /// Of a square's side: what is plain along its edges, where the edges are looked at.
+  double plain = 0.36;
+  Rings rings = Rings::usual;
+};
+
 /// Which saddles are next to each other on a chessboard: for each and each slot the index of the neighbour
 /// (both agree on it), or -1.
 std::vector<std::array<int, 4>> link_neighbours(const std::vector<SaddleLevel>& levels,
-                                                const std::vector<Saddle>& saddles);
+                                                const std::vector<Saddle>& saddles, const Squares& squares);
 
 /// Does a chessboard's edge run from a (leaving by `slot`) to b: bright on one side, dark on the other, all
 /// the way?
-bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b);
+bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b,
+                  const Squares& squares);
 
 using Cell = std::pair<int, int>;  ///< (i, j): steps along the lattice's two axes
 
@@ -50,8 +58,7 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
 
 /// Looks for the corners missing in and around a lattice where its neighbours predict them, until nothing is
 /// added or it has more than `most` corners.
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most,
-          Rings rings = Rings::usual);
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, const Squares& squares);
 
 /// Makes one of pieces that go on in each other across a gap of a few squares, so far apart as no lattice
 /// grows where single corners cannot be told. Only what is made of several is returned.

@@ -86,7 +86,7 @@ std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell) {
 
 /// The corner at an empty cell, if the picture has one there that fits all its neighbours.
 std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const Lattice& lattice,
-                                const Cell& cell, Rings rings) {
+                                const Cell& cell, const Squares& squares) {
   const auto prediction = predict(lattice, cell);
   if (!prediction) return std::nullopt;
   int level = 0;
@@ -99,7 +99,7 @@ std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const La
     strength += node->saddle.strength;
     ++neighbours;
   }
-  const auto saddle = saddle_near(levels, level, prediction->pixel, rings);
+  const auto saddle = saddle_near(levels, level, prediction->pixel, squares.rings);
   if (!saddle || saddle->strength < 0.3 * strength / neighbours) return std::nullopt;
   if ((saddle->pixel - prediction->pixel).norm() > std::max(0.25 * prediction->pitch, 1.0)) {
     return std::nullopt;
@@ -110,7 +110,7 @@ std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const La
     if (node == nullptr) continue;
     const auto towards = std::find(node->step.begin(), node->step.end(), -axis);
     const int slot = static_cast<int>(towards - node->step.begin());
-    if (!edge_between(levels, node->saddle, slot, *saddle)) return std::nullopt;
+    if (!edge_between(levels, node->saddle, slot, *saddle, squares)) return std::nullopt;
     // The slot of the new corner that leads back.
     int back = 0;
     for (int k = 1; k < 4; ++k) {
@@ -163,7 +163,8 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
   return lattices;
 }
 
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, Rings rings) {
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most,
+          const Squares& squares) {
   for (bool added = true; added && lattice.size() <= most;) {
     added = false;
     std::set<Cell> frontier;
@@ -174,7 +175,7 @@ void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t 
     }
     for (const Cell& cell : frontier) {
       if (lattice.size() > most) break;
-      if (const auto node = find_corner(levels, lattice, cell, rings)) {
+      if (const auto node = find_corner(levels, lattice, cell, squares)) {
         lattice[cell] = *node;
         added = true;
       }

@@ -75,7 +75,8 @@ struct Neighbour {
 
 /// The nearest saddle in each slot's direction that an edge joins.
 std::array<int, 4> nearest_neighbours(const std::vector<SaddleLevel>& levels,
-                                      const std::vector<Saddle>& saddles, const Buckets& buckets, int self) {
+                                      const std::vector<Saddle>& saddles, const Buckets& buckets, int self,
+                                      const Squares& squares) {
   const Saddle& a = saddles[static_cast<std::size_t>(self)];
   std::array<int, 4> nearest{-1, -1, -1, -1};
   int visits = 0;
@@ -99,7 +100,7 @@ std::array<int, 4> nearest_neighbours(const std::vector<SaddleLevel>& levels,
     for (; done < seen.size() && seen[done].distance <= radius * buckets.size(); ++done) {
       int& best = nearest[static_cast<std::size_t>(seen[done].slot)];
       const Saddle& b = saddles[static_cast<std::size_t>(seen[done].index)];
-      if (best < 0 && edge_between(levels, a, seen[done].slot, b)) best = seen[done].index;
+      if (best < 0 && edge_between(levels, a, seen[done].slot, b, squares)) best = seen[done].index;
     }
     seen.erase(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(done));
     if (*std::min_element(nearest.begin(), nearest.end()) >= 0) break;
@@ -107,7 +108,7 @@ std::array<int, 4> nearest_neighbours(const std::vector<SaddleLevel>& levels,
   for (const Neighbour& rest : seen) {
     int& best = nearest[static_cast<std::size_t>(rest.slot)];
     const Saddle& b = saddles[static_cast<std::size_t>(rest.index)];
-    if (best < 0 && edge_between(levels, a, rest.slot, b)) best = rest.index;
+    if (best < 0 && edge_between(levels, a, rest.slot, b, squares)) best = rest.index;
   }
   return nearest;
 }
@@ -157,7 +158,8 @@ Links filtered(const Links& links, Keep keep) {
 
 }  // namespace
 
-bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b) {
+bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int slot, const Saddle& b,
+                  const Squares& squares) {
   const Eigen::Vector2d offset = b.pixel - a.pixel;
   const double length = offset.norm();
   const int back = slot_along(b, -offset);
@@ -168,7 +170,7 @@ bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int s
   if (cross(offset, bright_a) * cross(offset, bright_b) <= 0) return false;
   const SaddleLevel& level = levels[static_cast<std::size_t>(std::max(a.level, b.level))];
   // Far enough from the edge to be beyond its blur, near enough to be within a foreshortened square.
-  const double reach = std::max(0.18 * length, 0.7 * level.scale);
+  const double reach = std::max(0.5 * squares.plain * length, 0.7 * level.scale);
   double least = 1e9;
   double most = -1e9;
   for (const double t : {0.3, 0.5, 0.7}) {
@@ -182,12 +184,12 @@ bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int s
 }
 
 std::vector<std::array<int, 4>> link_neighbours(const std::vector<SaddleLevel>& levels,
-                                                const std::vector<Saddle>& saddles) {
+                                                const std::vector<Saddle>& saddles, const Squares& squares) {
   const Buckets buckets(saddles, levels[0].width, levels[0].height);
   std::vector<std::array<int, 4>> links;
   links.reserve(saddles.size());
   for (std::size_t i = 0; i < saddles.size(); ++i) {
-    links.push_back(nearest_neighbours(levels, saddles, buckets, static_cast<int>(i)));
+    links.push_back(nearest_neighbours(levels, saddles, buckets, static_cast<int>(i), squares));
   }
   links = filtered(links, [&](int a, int slot) {
     return slot_to(links, links[static_cast<std::size_t>(a)][static_cast<std::size_t>(slot)], a) >= 0;

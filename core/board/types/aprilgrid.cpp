@@ -5,6 +5,7 @@
 #include <array>
 
 #include "core/board/board.h"
+#include "core/board/detect/corner_search.h"
 #include "core/board/types/aprilgrid_tags.h"
 #include "core/board/types/lattice.h"
 
@@ -97,7 +98,13 @@ class Aprilgrid final : public BoardType {
             {row * 2 * board.columns + column, tag.corners[k], Eigen::Matrix2d::Identity() * 0.1});
       }
     }
-    return found;
+    // Moved to the saddles that the picture shows; what shows no saddle stays as it is.
+    std::vector<Corner> corners = CornerSearch(board, grey8).find(found, 0.35);
+    for (const Corner& corner : found) {
+      const auto same = [&](const Corner& other) { return other.id == corner.id; };
+      if (std::none_of(corners.begin(), corners.end(), same)) corners.push_back(corner);
+    }
+    return corners;
   }
 };
 

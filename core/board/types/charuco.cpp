@@ -1,9 +1,9 @@
 /// ChArUco: a checkerboard whose white squares carry ArUco markers, so that any part of it tells where it is.
 /// `columns` x `rows` squares, the top-left one black; ids and markers are those of OpenCV 4.6's
-/// CharucoBoard. ArUco moved and changed its interface in OpenCV 4.7: this file is the only one that knows
-/// it.
+/// CharucoBoard. ArUco moved and changed its interface in OpenCV 4.7: only its dictionaries are used, and
+/// only here.
 #include <array>
-#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/aruco/dictionary.hpp>
 #include <opencv2/core.hpp>
 #include <utility>
 
@@ -112,41 +112,11 @@ class Charuco final : public BoardType {
   bool half_turn_ambiguous(const Board&) const override { return false; }
 
   std::vector<Corner> find(const Board& board, const Image& grey8) const override {
-    if (grey8.empty()) return {};
     const Dictionary* dictionary = find_dictionary(board.dictionary);
     if (dictionary == nullptr) return {};
-    std::vector<Corner> found = find_by_markers(board, *dictionary, grey8);
-    // Below some 20 px a square's marker cannot be read any more, all of them together can.
-    if (2 * found.size() < static_cast<std::size_t>((board.columns - 1) * (board.rows - 1))) {
-      const int bits = dictionary->markerSize;
-      const SquarePrint print{bits, board.marker / board.square * bits / (bits + 2)};
-      std::vector<Corner> by_print = find_by_print(board, print, grey8);
-      if (by_print.size() > found.size()) return by_print;
-    }
-    return found;
-  }
-
- private:
-  static std::vector<Corner> find_by_markers(const Board& board, const Dictionary& dictionary,
-                                             const Image& grey8) {
-    const cv::Mat picture(grey8.height, grey8.width, CV_8UC1, const_cast<std::uint8_t*>(grey8.bytes.data()));
-    const auto dictionary_ptr = cv::makePtr<Dictionary>(dictionary);
-    const auto charuco =
-        cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square),
-                                        static_cast<float>(board.marker), dictionary_ptr);
-    std::vector<std::vector<cv::Point2f>> marker_corners;
-    std::vector<int> marker_ids;
-    cv::aruco::detectMarkers(picture, dictionary_ptr, marker_corners, marker_ids);
-    if (marker_ids.empty()) return {};
-    std::vector<cv::Point2f> pixels;
-    std::vector<int> ids;
-    cv::aruco::interpolateCornersCharuco(marker_corners, marker_ids, picture, charuco, pixels, ids);
-    std::vector<Corner> found;
-    // OpenCV 4.6 answers half a pixel too far down and right (it shifts for its sub-pixel search, not back).
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      found.push_back({ids[i], {pixels[i].x - 0.5, pixels[i].y - 0.5}, Eigen::Matrix2d::Identity() * 0.04});
-    }
-    return found;
+    const int bits = dictionary->markerSize;
+    const double share = board.marker / board.square;
+    return find_by_print(board, {bits, share * bits / (bits + 2), 0.5 * (1 - share)}, grey8);
   }
 };
 

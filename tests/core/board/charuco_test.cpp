@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <ostream>
+#include <string_view>
+
 #include "tests/support/board_renderer.h"
 #include "tests/support/board_scenes.h"
 
@@ -136,6 +140,105 @@ TEST(Charuco, IsToldByItsPiecesTogether) {
   }
   std::printf("found in %d of %d views\n", found, views);
   EXPECT_GE(found, 0.9 * views);
+}
+
+/// Views in which few or none of the markers can be read one by one, or the board is in pieces.
+struct HardViews {
+  const char* name;
+  int columns, rows;
+  Camera camera;
+  double off_axis;           ///< rad
+  double nearest, farthest;  ///< m
+  test::RenderOptions look;
+  bool arm;  ///< before the board, across the picture
+};
+
+void PrintTo(const HardViews& views, std::ostream* out) {
+  *out << views.name;
+}
+
+std::vector<HardViews> hard_views() {
+  test::RenderOptions usual, dim, noisy;
+  dim.black = 25, dim.white = 50, dim.background = 40;
+  noisy.noise = 16;
+  Camera cut = test::fisheye_camera();
+  cut.width = 640, cut.height = 480;
+  cut.parameters[2] = 320, cut.parameters[3] = 240;
+  return {{"filling the picture", 11, 8, test::narrow_camera(), 0.35, 0.12, 0.35, usual, false},
+          {"cut by a fisheye's picture", 8, 6, cut, 1.0, 0.2, 0.4, usual, false},
+          {"six corners", 4, 3, test::fisheye_camera(), 1.0, 0.15, 0.4, usual, false},
+          {"dim", 8, 6, test::narrow_camera(), 0.3, 0.7, 1.6, dim, false},
+          {"noisy", 8, 6, test::narrow_camera(), 0.3, 0.8, 2.0, noisy, false},
+          {"behind an arm", 9, 6, test::narrow_camera(), 0.2, 0.8, 1.5, usual, true}};
+}
+
+class CharucoViews : public testing::TestWithParam<HardViews> {};
+
+TEST_P(CharucoViews, AreFoundInPlace) {
+  const HardViews& kind = GetParam();
+  const Board board = test::make_board("charuco", kind.columns, kind.rows);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int views = 0;
+  for (int attempt = 0; attempt < 400 && views < 6; ++attempt) {
+    const double off = kind.off_axis * unit(random), around = 2 * M_PI * unit(random);
+    const Eigen::Vector3d bearing(std::sin(off) * std::cos(around), std::sin(off) * std::sin(around),
+                                  std::cos(off));
+    const double distance = kind.nearest + (kind.farthest - kind.nearest) * unit(random);
+    const double tilt = 0.8 * unit(random), axis = 2 * M_PI * unit(random);
+    const Pose pose = test::board_pose(bearing, distance, tilt, axis, 2 * M_PI * unit(random));
+    auto pixels = test::true_corners(board, kind.camera, pose);
+    const double middle = kind.camera.parameters[3] + 0.1 * kind.camera.height * (unit(random) - 0.5);
+    const auto hidden = [&](double y) { return kind.arm && std::abs(y - middle) < 35; };
+    std::size_t visible = 0;
+    for (auto& pixel : pixels) {
+      if (pixel && (!kind.camera.contains(*pixel, 4) || hidden(pixel->y()))) pixel.reset();
+      visible += pixel ? 1 : 0;
+    }
+    if (visible < 6) continue;
+    ++views;
+    Image image = test::render_board(board, kind.camera, pose, kind.look, random);
+    for (int y = 0; y < image.height; ++y) {
+      const auto row = image.bytes.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+      if (hidden(y)) std::fill(row, row + image.width, std::uint8_t{140});
+    }
+    const auto corners = detect_board(board, image);
+    for (const Corner& corner : corners) {
+      const auto& pixel = pixels[static_cast<std::size_t>(corner.id)];
+      if (!pixel) continue;
+      EXPECT_LT((corner.pixel - *pixel).norm(), 0.7) << "view " << views << ", id " << corner.id;
+    }
+    EXPECT_GE(2 * corners.size(), visible) << "view " << views;
+  }
+  EXPECT_EQ(views, 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Charuco, CharucoViews, testing::ValuesIn(hard_views()));
+
+/// Another dictionary's board, and the board in a mirror.
+TEST(Charuco, IsNotAnother) {
+  const Board board = test::make_board("charuco", 8, 6);
+  if (board.type == nullptr) GTEST_SKIP() << "built without ChArUco";
+  const Camera camera = test::narrow_camera();
+  std::mt19937_64 random(31);
+  for (const double distance : {1.2, 2.8}) {
+    const Pose pose = test::board_pose({0.05, 0.02, 1}, distance, 0.4, 1.1, 0.6);
+    for (const char* dictionary : {"DICT_4X4_50", "DICT_5X5_1000", "DICT_6X6_100", "DICT_7X7_50"}) {
+      Board other = board;
+      other.dictionary = dictionary;
+      // The larger dictionaries of a size begin as the smaller ones do.
+      const bool same = std::string_view(dictionary).substr(0, 8) == "DICT_5X5";
+      const Image image = test::render_board(other, camera, pose, {}, random);
+      EXPECT_EQ(detect_board(board, image).empty(), !same) << dictionary << ' ' << distance;
+    }
+    Image mirrored = test::render_board(board, camera, pose, {}, random);
+    for (int y = 0; y < mirrored.height; ++y) {
+      const auto row = mirrored.bytes.begin() + static_cast<std::ptrdiff_t>(y) * mirrored.width;
+      std::reverse(row, row + mirrored.width);
+    }
+    EXPECT_TRUE(detect_board(board, mirrored).empty()) << distance;
+  }
 }
 
 /// A hand hides corners, and no others than those under it.
