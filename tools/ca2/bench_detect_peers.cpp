@@ -25,7 +25,7 @@ bool default_search(const Board& board, const Image& grey8) {
 }
 
 #ifdef CA2_WITH_CHARUCO
-/// For a board of DICT_5X5_100. Six corners, as ours wants.
+/// For a board of DICT_5X5_100. Six corners, as from ours.
 bool markers(const Board& board, const Image& grey8) {
   const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_100);
   const auto charuco =
