@@ -41,10 +41,10 @@ std::vector<Corner> detect_board(const Board& board, const Image& image) {
   // What is printed in small squares hides corners from the search, or moves them: refined neighbours know
   // better where they are.
   while (has_markers && corners.size() >= 6) {
-    const std::vector<Corner> more =
-        refine_corners(board, grey, CornerSearch(board, grey8).with_neighbours(corners));
+    std::vector<Corner> more = CornerSearch(board, grey8).with_neighbours(corners);
+    if (more.size() > corners.size()) more = refine_corners(board, grey, more);
     if (more.size() <= corners.size()) break;
-    corners = more;
+    corners = std::move(more);
   }
   // A board most of whose corners do not look like corners is not a board.
   if (corners.size() < 6 || 2 * corners.size() < found.size() || !span_plane(board, corners)) return {};

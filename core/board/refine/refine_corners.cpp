@@ -27,14 +27,20 @@ class PrintMask {
 
   PrintMask(const Board& board, const Eigen::Vector2d& corner, double pitch) {
     if (board.type->repeats(board)) return;  // a print like that has nothing beside its corners
+    // A quadrant's own colour is that next to the corner.
+    bool black[2][2];
+    for (const int j : {0, 1}) {
+      for (const int i : {0, 1}) {
+        const Eigen::Vector2d near(i == 0 ? -0.01 : 0.01, j == 0 ? -0.01 : 0.01);
+        black[j][i] = board.type->black(board, corner + near * pitch);
+      }
+    }
     bool all = true;
     for (int j = 0; j < cells; ++j) {
       for (int i = 0; i < cells; ++i) {
         const Eigen::Vector2d at((i + 0.5) / cells - 0.5, (j + 0.5) / cells - 0.5);
-        // The quadrant's own colour is that next to the corner.
-        const Eigen::Vector2d near(std::copysign(0.01, at.x()), std::copysign(0.01, at.y()));
         const bool plain =
-            board.type->black(board, corner + at * pitch) == board.type->black(board, corner + near * pitch);
+            board.type->black(board, corner + at * pitch) == black[2 * j / cells][2 * i / cells];
         plain_[static_cast<std::size_t>(j * cells + i)] = plain;
         all = all && plain;
       }

@@ -31,8 +31,11 @@ const Dictionary* find_dictionary(std::string_view name) {
       CA2_DICTIONARY(DICT_7X7_1000), CA2_DICTIONARY(DICT_ARUCO_ORIGINAL),
   };
 #undef CA2_DICTIONARY
+  // Asked for the same one some 100 000 times a picture.
+  thread_local std::pair<std::string_view, const Dictionary*> last;
+  if (last.first == name) return last.second;
   for (const auto& [known, dictionary] : dictionaries) {
-    if (known == name) return dictionary.get();
+    if (known == name) return (last = {known, dictionary.get()}).second;
   }
   return nullptr;
 }
