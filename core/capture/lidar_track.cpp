@@ -34,20 +34,21 @@ void LidarTrack::add(const LidarObservation& observation) {
 }
 
 void LidarTrack::release_before(std::int64_t time) {
-  const std::int64_t half = period() / 2;
   for (LidarObservation& sample : samples_) {
-    // As within() asks.
-    if (sample.time - half >= time - clock_slack || &sample == &samples_.back()) break;
+    if (begins_since(time, sample) || &sample == &samples_.back()) break;
     sample.scan.reset();
   }
+}
+
+bool LidarTrack::begins_since(std::int64_t time, const LidarObservation& sample) const {
+  return sample.time - period() / 2 >= time - clock_slack;
 }
 
 std::vector<const LidarObservation*> LidarTrack::within(std::int64_t first, std::int64_t last) const {
   std::vector<const LidarObservation*> list;
   const std::int64_t half = period() / 2;
   for (const LidarObservation& sample : samples_) {
-    if (sample.time - half >= first - clock_slack && sample.time + half <= last + clock_slack)
-      list.push_back(&sample);
+    if (begins_since(first, sample) && sample.time + half <= last + clock_slack) list.push_back(&sample);
   }
   return list;
 }

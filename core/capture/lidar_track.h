@@ -45,6 +45,8 @@ class LidarTrack {
   std::uint64_t shed() const { return shed_; }
 
  private:
+  bool begins_since(std::int64_t time, const LidarObservation& sample) const;  ///< as far as clocks agree
+
   std::int64_t history_ = 2'000'000'000;
   std::deque<LidarObservation> samples_;  ///< searched scans, oldest first
   Rhythm rhythm_;

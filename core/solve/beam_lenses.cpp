@@ -65,13 +65,14 @@ std::vector<ViewSights> some_used(const std::vector<ViewSights>& views,
   std::vector<ViewSights> some;
   std::size_t count = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const bool asked = outcomes[v].used && count++ % step == 0;
-    const std::size_t cameras = views[v].cameras.size(), lidars = views[v].lidars.size();
-    some.push_back(asked ? views[v]
-                         : ViewSights{views[v].id,
-                                      decltype(ViewSights::cameras)(cameras),
-                                      decltype(ViewSights::lidars)(lidars),
-                                      {}});
+    if (outcomes[v].used && count++ % step == 0) {
+      some.push_back(views[v]);
+      continue;
+    }
+    ViewSights& nothing = some.emplace_back();
+    nothing.id = views[v].id;
+    nothing.cameras.resize(views[v].cameras.size());
+    nothing.lidars.resize(views[v].lidars.size());
   }
   return some;
 }

@@ -31,7 +31,7 @@ constexpr std::size_t enough_views = 5;
 /// Few views leave too little over to contradict given intrinsics.
 constexpr std::size_t least_views_to_doubt = 5;
 /// PlateRims::slacks, where planes told nothing.
-constexpr std::array rim_slacks_alone{0.06, 0.025, 0.015, 0.01};
+constexpr std::array rim_slacks_alone{usual_rim_slack, 0.025, 0.015, 0.01};
 /// A solve that starts from the one before is close enough for whole Newton steps.
 constexpr double cold_damping = 1e-4, warm_damping = 1e-8;
 /// What is solved once more anyway is solved well enough where the cost is to fall by less than this share of

@@ -161,7 +161,7 @@ std::vector<Board> bench_boards() {
   charuco.columns = 9;
   charuco.rows = 7;
   charuco.marker = 0.03;
-  if (charuco.type != nullptr) boards.push_back(charuco);
+  boards.push_back(charuco);
   Board aprilgrid;
   aprilgrid.type = find_board_type("aprilgrid");
   aprilgrid.columns = 6;
@@ -169,6 +169,7 @@ std::vector<Board> bench_boards() {
   aprilgrid.square = 0.045;
   aprilgrid.spacing = 0.3;
   boards.push_back(aprilgrid);
+  std::erase_if(boards, [](const Board& board) { return board.type == nullptr; });
   return boards;
 }
 

@@ -42,6 +42,10 @@ bool edge_between(const std::vector<SaddleLevel>& levels, const Saddle& a, int s
 
 using Cell = std::pair<int, int>;  ///< (i, j): steps along the lattice's two axes
 
+inline Cell operator+(const Cell& a, const Cell& b) {
+  return {a.first + b.first, a.second + b.second};
+}
+
 /// A corner of a lattice, and which way its slots lead.
 struct Node {
   Saddle saddle;

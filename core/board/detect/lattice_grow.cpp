@@ -8,10 +8,6 @@
 namespace ca2 {
 namespace {
 
-Cell operator+(const Cell& a, const Cell& b) {
-  return {a.first + b.first, a.second + b.second};
-}
-
 Cell operator-(const Cell& a) {
   return {-a.first, -a.second};
 }

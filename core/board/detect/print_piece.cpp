@@ -9,10 +9,6 @@
 namespace ca2 {
 namespace {
 
-Cell operator+(const Cell& a, const Cell& b) {
-  return {a.first + b.first, a.second + b.second};
-}
-
 constexpr int reach = 2;               // squares beside one whose corners tell where it is
 constexpr double corner_sigma = 0.3;   // px, of the search
 constexpr double vanish_sigma = 0.08;  // per square: how fast perspective may make squares smaller

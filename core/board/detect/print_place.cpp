@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/board/detect/grey_at.h"
+
 namespace ca2 {
 namespace {
 
@@ -12,10 +14,6 @@ constexpr double least_inside = 0.9;  // of a piece's corners on the board: the 
 constexpr double least_correlation = 0.25;
 constexpr double least_sigmas = 7;
 constexpr double least_lead = 3;  // sigmas before the next best place
-
-Cell operator+(const Cell& a, const Cell& b) {
-  return {a.first + b.first, a.second + b.second};
-}
 
 Cell turned(Cell cell, int turns) {
   for (; turns > 0; --turns) cell = {-cell.second, cell.first};
@@ -29,15 +27,6 @@ PrintMap::Fields turned_back(PrintMap::Fields fields, int turns) {
 
 void remove_mean(PrintMap::Fields& fields) {
   fields.array() -= fields.mean();
-}
-
-/// Between pixels; nothing outside the picture.
-std::optional<float> grey_at(const Image& image, const Eigen::Vector2d& p) {
-  if (!(p.x() >= 0 && p.y() >= 0 && p.x() < image.width - 1 && p.y() < image.height - 1)) return std::nullopt;
-  const int x = static_cast<int>(p.x()), y = static_cast<int>(p.y());
-  const std::uint8_t* at = image.bytes.data() + static_cast<std::size_t>(y) * image.width + x;
-  const auto a = static_cast<float>(p.x() - x), b = static_cast<float>(p.y() - y);
-  return (1 - b) * ((1 - a) * at[0] + a * at[1]) + b * ((1 - a) * at[image.width] + a * at[image.width + 1]);
 }
 
 /// Along a square's side, 0..1: the middle of a field.
@@ -84,7 +73,7 @@ std::vector<PrintMap::Seen> PrintMap::seen_in(const PrintPiece& piece, const Ima
       for (int i = 0; i < print_.cells && inside; ++i) {
         const auto grey = grey_at(grey8, shown->pixel(field_middle(print_, i), field_middle(print_, j)));
         inside = grey.has_value();
-        square.fields(j, i) = grey.value_or(0);
+        square.fields(j, i) = static_cast<float>(grey.value_or(0));
       }
     }
     if (!inside) continue;

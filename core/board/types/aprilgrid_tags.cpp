@@ -10,6 +10,8 @@ extern "C" {
 #include <memory>
 #include <opencv2/calib3d.hpp>
 
+#include "core/board/detect/grey_at.h"
+
 namespace ca2 {
 namespace {
 
@@ -117,16 +119,6 @@ int quarter_turns(const Tags& tags) {
     }
   }
   return static_cast<int>(std::max_element(votes.begin(), votes.end()) - votes.begin());
-}
-
-/// The picture at a place between pixels; nothing outside of it.
-std::optional<double> grey_at(const Image& image, const Eigen::Vector2d& p) {
-  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y()));
-  if (!(p.x() >= 0 && p.y() >= 0) || x + 1 >= image.width || y + 1 >= image.height) return std::nullopt;
-  const std::uint8_t* at =
-      image.bytes.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + x;
-  const double a = p.x() - x, b = p.y() - y;
-  return (1 - b) * ((1 - a) * at[0] + a * at[1]) + b * ((1 - a) * at[image.width] + a * at[image.width + 1]);
 }
 
 /// Pixels of the grid's plane near some tags: places are in tags from the first tag's top left corner.
