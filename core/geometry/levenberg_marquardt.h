@@ -12,9 +12,11 @@ namespace ca2 {
 struct LmOptions {
   int max_iterations = 50;
   double initial_damping = 1e-4;      ///< relative to the diagonal of the normal matrix
-  double gradient_tolerance = 1e-10;  ///< on the predicted decrease, relative to the cost
+  double gradient_tolerance = 1e-10;  ///< on the predicted decrease, relative to the cost; and on how far it
+                                      ///< was wrong, where a whole Newton step was taken
   double step_tolerance = 1e-12;      ///< on the largest component of the step
   std::stop_token stop = {};          ///< no further iteration once this is asked for
+  std::optional<double> cost = {};    ///< at the start, where the problem is linearised there already
 };
 
 struct LmReport {
@@ -37,8 +39,9 @@ struct LmReport {
 template <class Problem>
 LmReport minimize(Problem& problem, typename Problem::State& state, const LmOptions& options = {}) {
   LmReport report;
+  constexpr double whole_step = 1e-8;  // damping that leaves a step as it is
   double damping = options.initial_damping;
-  double cost = problem.linearize(state);
+  double cost = options.cost ? *options.cost : problem.linearize(state);
   report.initial_cost = cost;
   for (; report.iterations < options.max_iterations && std::isfinite(cost) && !options.stop.stop_requested();
        ++report.iterations) {
@@ -61,10 +64,17 @@ LmReport minimize(Problem& problem, typename Problem::State& state, const LmOpti
       const typename Problem::State candidate = problem.moved(state, *step);
       const double candidate_cost = problem.cost(candidate);
       if (candidate_cost < cost) {
-        const double ratio = (cost - candidate_cost) / predicted;
+        const double decrease = cost - candidate_cost;
+        const double ratio = decrease / predicted;
+        state = candidate;
+        // A model that told the decrease so well has its minimum where the cost has.
+        if (damping <= whole_step && std::abs(decrease - predicted) <= options.gradient_tolerance * cost) {
+          cost = candidate_cost;
+          report.converged = true;
+          break;
+        }
         damping = ratio > 0.75 ? damping / 10 : (ratio < 0.25 ? damping * 4 : damping);
         damping = std::max(damping, 1e-12);
-        state = candidate;
         cost = problem.linearize(state);
         continue;
       }

@@ -205,10 +205,14 @@ double JointProblem::add_priors(const State& state, DenseNormalEquations* equati
 
 double JointProblem::linearize(const State& state) {
   total_.clear(globals_);
-  double cost = 0;
-  for (std::size_t v = 0; v < views_.size(); ++v) cost += linearize_view(state, v, total_);
+  views_cost_ = 0;
+  for (std::size_t v = 0; v < views_.size(); ++v) views_cost_ += linearize_view(state, v, total_);
+  return renew_priors(state);
+}
+
+double JointProblem::renew_priors(const State& state) {
   prior_.clear(globals_);
-  return cost + add_priors(state, &prior_);
+  return views_cost_ + add_priors(state, &prior_);
 }
 
 double JointProblem::cost(const State& state) const {
@@ -345,16 +349,19 @@ void JointProblem::view_share(const State& state, std::size_t view, Eigen::Matri
   information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
 }
 
-Eigen::MatrixXd JointProblem::information() const {
-  Eigen::MatrixXd total = prior_.H + total_.H;
-  Eigen::VectorXd gradient = total_.g;
+DenseNormalEquations JointProblem::marginal() const {
+  DenseNormalEquations marginal{prior_.H + total_.H, prior_.g + total_.g};
   Elimination eliminated;
   for (const ViewEquations& view : views_) {
     eliminated.eliminate(view, 0);
-    eliminated.subtract_from(total, gradient);
+    eliminated.subtract_from(marginal.H, marginal.g);
   }
-  total.triangularView<Eigen::StrictlyUpper>() = total.transpose();
-  return total;
+  marginal.H.triangularView<Eigen::StrictlyUpper>() = marginal.H.transpose();
+  return marginal;
+}
+
+Eigen::MatrixXd JointProblem::information() const {
+  return marginal().H;
 }
 
 double JointProblem::lidar_place_sigma() const {

@@ -88,6 +88,8 @@ class JointProblem {
   explicit JointProblem(const JointInput& input);
 
   double linearize(const State& state);
+  /// The same at the state last linearised, where only the priors are others since.
+  double renew_priors(const State& state);
   double cost(const State& state) const;
   std::optional<Eigen::VectorXd> step(double damping);
   double predicted_decrease(const Eigen::VectorXd& step) const;
@@ -123,8 +125,8 @@ class JointProblem {
 
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
-  /// What the views at the state last linearised, the minimum, say of the deviations that have a prior:
-  /// stated focal lengths, principal points and distortion, the print's stretch, the range biases and the
+  /// What the views at the state last linearised, close to the minimum, say of the deviations that have a
+  /// prior: stated focal lengths, principal points and distortion, the print's stretch, the range biases and the
   /// rims' freedom are a group each. Nothing where they are all held or the views determine nothing without
   /// them.
   std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
@@ -135,6 +137,8 @@ class JointProblem {
                   Eigen::VectorXd& gradient);
 
  private:
+  /// What is left of the equations without the board poses, priors included, at the state last linearised.
+  DenseNormalEquations marginal() const;
   Pose sensor_board(const State& state, int sensor, std::size_t view) const;
   /// Cost of one LiDAR in one view, with its derivatives where asked for.
   double lidar_cost(const State& state, std::size_t view, int lidar, SensorEquations* equations) const;
@@ -159,6 +163,7 @@ class JointProblem {
   std::vector<Elimination> eliminated_;
   DenseNormalEquations prior_;
   DenseNormalEquations total_;  ///< of all views
+  double views_cost_ = 0;       ///< of all views
 };
 
 /// The priors on intrinsics, stretch, range biases and rims' freedom: as the input has them, or weighed by

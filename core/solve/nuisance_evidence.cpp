@@ -104,12 +104,15 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
     if (!weighed) order.push_back(i);
   }
   for (const int k : index) order.push_back(first + k);
-  Eigen::MatrixXd S = information()(order, order);
-  if (!S.allFinite()) return std::nullopt;
+  const DenseNormalEquations all = marginal();
+  Eigen::MatrixXd S = all.H(order, order);
+  Eigen::VectorXd g = all.g(order);
+  if (!S.allFinite() || !g.allFinite()) return std::nullopt;
   const Eigen::VectorXd d = deviations(state)(index);
   evidence.sigma = Eigen::Map<const Eigen::VectorXd>(sigmas.data(), count);
   const Eigen::VectorXd prior = evidence.sigma.cwiseAbs2().cwiseInverse();
   S.diagonal().tail(count) -= prior;
+  g.tail(count) -= prior.cwiseProduct(d);
   // Metres, radians and the held ones side by side: a unit diagonal first.
   const Eigen::VectorXd unit = S.diagonal().head(others).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::LLT<Eigen::MatrixXd> llt(unit.asDiagonal() * S.topLeftCorner(others, others) *
@@ -117,24 +120,27 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   if (llt.info() != Eigen::Success) return std::nullopt;
   const Eigen::MatrixXd cross = unit.asDiagonal() * S.topRightCorner(others, count);
   evidence.H = S.bottomRightCorner(count, count) - cross.transpose() * llt.solve(cross);
-  // At the minimum the views pull as much as the priors do.
-  evidence.h = evidence.H * d + prior.cwiseProduct(d);
+  evidence.h =
+      evidence.H * d - g.tail(count) + cross.transpose() * llt.solve(unit.cwiseProduct(g.head(others)));
   return evidence;
 }
 
 void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& state, Priors priors) {
-  // Close to the minimum from the start. The step that is left, and taken, is some 1e-3 of a standard
-  // deviation, over all unknowns together.
-  const LmOptions options{.max_iterations = 30, .initial_damping = 1e-8, .gradient_tolerance = 1e-9};
+  // Close to the minimum from the start. The step that is left is some 1e-3 of a standard deviation, over all
+  // unknowns together.
+  LmOptions options{.max_iterations = 30, .initial_damping = 1e-8, .gradient_tolerance = 1e-9};
   input.nuisances.reset();
+  std::optional<NuisanceEvidence> evidence;
+  if (priors == Priors::weighed && input.views.size() >= least_views_to_weigh) {
+    problem.linearize(state);
+    evidence = problem.nuisance_evidence(state);
+  }
+  if (evidence) {
+    input.nuisances = weigh_nuisances(*evidence);
+    options.cost = problem.renew_priors(state);
+  }
   minimize(problem, state, options);
-  problem.linearize(state);
-  if (priors == Priors::as_given || input.views.size() < least_views_to_weigh) return;
-  std::optional<NuisanceEvidence> evidence = problem.nuisance_evidence(state);
-  if (!evidence) return;
-  input.nuisances = weigh_nuisances(*evidence);
-  minimize(problem, state, options);
-  if (input.views.size() < least_views_to_trust) {
+  if (evidence && input.views.size() < least_views_to_trust) {
     for (int& group : evidence->group) group = group == rim_group ? group : NuisanceEvidence::as_given;
     input.nuisances = weigh_nuisances(*evidence);
   }
