@@ -63,7 +63,7 @@ class CornerField {
   int id(std::size_t corner) const { return corners_[corner].id; }
 
  private:
-  static constexpr double intrinsics_reach = 0.1;  ///< px a corner moves: linear in the parameters so far
+  static constexpr double intrinsics_reach = 0.5;  ///< px a corner moves: linear in the parameters so far
   using Vector = CameraEquations::Vector;
   using Jacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

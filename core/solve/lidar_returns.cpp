@@ -81,7 +81,7 @@ std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<Pla
   }
   const bool others = views != corrected_;
   if (others || moved > 0) number_rings(boards);
-  if (others || 4 * moved > boards.size() || std::abs(state.sigma - corrected_sigma_) > 0.01 * state.sigma)
+  if (others || 4 * moved > boards.size() || std::abs(state.sigma - corrected_sigma_) > 0.05 * state.sigma)
     correct(boards, state);
   corrected_ = std::move(views);
   std::vector<std::optional<RangeSums>> all;
