@@ -51,6 +51,34 @@ CA2_HOT_LOOP void place(const Rays& rays, const float* along, const Eigen::Vecto
   }
 }
 
+CA2_HOT_LOOP double mark_on_plate(const Rays& rays, const float* along, const double* x, const double* y,
+                                  const PlatePart& part, float* certain, float* open) {
+  const Four none = {}, one = none + 1;
+  Four spread = none;
+  for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes) {
+    Four at_x, at_y, range, to;
+    load(at_x, x + i);
+    load(at_y, y + i);
+    load(range, rays.range + i);
+    load(to, along + i);
+    at_x -= part.x;
+    at_y -= part.y;
+    const Four beside = part.half_width - (at_x < 0 ? -at_x : at_x);
+    const Four above = part.half_height - (at_y < 0 ? -at_y : at_y);
+    const Four inside = beside < above ? beside : above;
+    const Four residual = range - to - part.bias;
+    const Four off = residual < 0 ? -residual : residual;
+    const Four on = inside > -part.rim ? (to > 0 ? one : none) : none;
+    const Four in = inside > part.rim ? (off <= part.limit ? on : none) : none;
+    store(certain + i, in);
+    store(open + i, on - in);
+    spread = in > 0 ? (spread < off ? off : spread) : spread;
+  }
+  double most = 0;
+  for (int lane = 0; lane < ReturnArrays::lanes; ++lane) most = std::max(most, spread[lane]);
+  return most;
+}
+
 CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const float* along, double limit,
                             float* taken, Near& near) {
   const Four none = {}, one = none + 1, infinite = none + std::numeric_limits<double>::infinity();
@@ -158,6 +186,15 @@ void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::Ve
   const Rays rays(returns);
   along.resize(rays.size);
   meet(rays, q, along.data());
+}
+
+double find_on_plate(const ReturnArrays& returns, const Eigen::VectorXf& along, const Eigen::VectorXd& x,
+                     const Eigen::VectorXd& y, const PlatePart& part, Eigen::VectorXf& certain,
+                     Eigen::VectorXf& open) {
+  const Rays rays(returns);
+  certain.resize(rays.size);
+  open.resize(rays.size);
+  return mark_on_plate(rays, along.data(), x.data(), y.data(), part, certain.data(), open.data());
 }
 
 Near find_near(const ReturnArrays& returns, std::size_t count, const Eigen::VectorXf& along, double limit,

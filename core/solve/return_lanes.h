@@ -47,6 +47,19 @@ void meet_plate(const ReturnArrays& returns, const Pose& T_lidar_board, Eigen::V
 /// The same, but for the plane q only, see `inverse_plane`: `along`.
 void meet_plane(const ReturnArrays& returns, const Eigen::Vector3d& q, Eigen::VectorXf& along);
 
+/// The part of a plate whose returns take part, with its middle at (x, y) of the board's axes, m.
+struct PlatePart {
+  double x, y, half_width, half_height;
+  double rim;          ///< within this of its rim it is not certain whether a return takes part
+  double bias, limit;  ///< nor is it further than `limit` from the ranges the plate would give, off by `bias`
+};
+/// Of the returns that meet the plate's plane `along` their rays at `x`, `y` (m): 1 in `certain` where they
+/// take part for certain, 1 in `open` where they may, 0 elsewhere. Gives how far off the certain ones' ranges
+/// are at most, m.
+double find_on_plate(const ReturnArrays& returns, const Eigen::VectorXf& along, const Eigen::VectorXd& x,
+                     const Eigen::VectorXd& y, const PlatePart& part, Eigen::VectorXf& certain,
+                     Eigen::VectorXf& open);
+
 /// Which of the first `count` returns end within `limit` [m] of `along`: 1 in `taken`, 0 the others.
 struct Near {
   std::size_t count = 0;

@@ -16,8 +16,6 @@ constexpr double plane_reach = 0.002;
 constexpr double beam_width = 0.004;
 /// Sensors have 128 at most; a file may say anything.
 constexpr int most_rings = 256;
-/// With one for what is not known.
-constexpr int bins = RangeClasses::bins + 1;
 
 double half_diagonal(const Outline& outline) {
   return 0.5 * std::hypot(outline.width, outline.height) + outline.center.norm();
@@ -33,20 +31,22 @@ double incidence(const Pose& T_lidar_board) {
 
 ReturnPatch::ReturnPatch(const LidarSight& sight, const InkMap& ink)
     : ink_(ink), returns_(sight.on_board.size() + sight.around.size()) {
-  ring_.reserve(sight.on_board.size() + sight.around.size());
+  ring_.resize(sight.on_board.size() + sight.around.size());
+  std::uint16_t highest = 0;
   for (const auto* list : {&sight.on_board, &sight.around}) {
     for (const BoardReturn& here : *list) {
       const Eigen::Vector3d way = here.point.cast<double>() - Eigen::Vector3d(0, 0, here.height);
       const double range = way.norm();
       if (!(range > 0) || !std::isfinite(range)) continue;
-      returns_.set(size_++, way / range, here.height, range);
-      ring_.push_back(here.ring);
+      returns_.set(size_, way * (1 / range), here.height, range);
+      ring_[size_] = here.ring < most_rings ? static_cast<std::uint16_t>(here.ring + 1) : 0;
+      highest = std::max(highest, ring_[size_++]);
     }
     if (list == &sight.on_board) found_ = size_;
   }
   returns_.leave_out_from(size_);
   of_class_.assign(static_cast<std::size_t>(returns_.range.size()), 0);
-  settled_.setZero(returns_.range.size());
+  slots_.resize((highest + std::size_t{1}) * RangeClasses::bins);
 }
 
 bool ReturnPatch::holds(const Place& place) const {
@@ -95,24 +95,22 @@ void ReturnPatch::settle(const Place& place, double margin) {
   const Eigen::Vector2d center = place.outline.center;
   const double half_width = 0.5 * place.outline.width - margin;
   const double half_height = 0.5 * place.outline.height - margin;
-  settled_.setZero();
+  Eigen::VectorXf open;
+  spread_ = find_on_plate(
+      returns_, predicted_, x, y,
+      {center.x(), center.y(), half_width, half_height, rim_reach, place.bias, place.limit}, settled_, open);
   settled_count_ = 0;
   open_.clear();
-  spread_ = 0;
   sums_.classes.clear();
-  slots_.assign(slots_.size(), -1);
+  std::fill(slots_.begin(), slots_.end(), -1);
   for (std::size_t k = 0; k < size_; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    const double slack =
-        std::min(half_width - std::abs(x(i) - center.x()), half_height - std::abs(y(i) - center.y()));
-    if (!(slack > -rim_reach && predicted_(i) > 0)) continue;
-    const double off = std::abs(double{returns_.range(i)} - predicted_(i) - place.bias);
-    if (slack > rim_reach && off <= place.limit) {
-      settled_(i) = 1;
+    if (settled_(i) > 0) {
       ++settled_count_;
-      spread_ = std::max(spread_, off);
-    } else {
+    } else if (open(i) > 0) {
       open_.push_back(opened(k));
+    } else {
+      continue;
     }
     of_class_[k] = class_of(k, RangeClasses::bin(ink(i)));
   }
@@ -125,14 +123,12 @@ void ReturnPatch::settle(const Place& place, double margin) {
 }
 
 std::uint16_t ReturnPatch::class_of(std::size_t index, int bin) {
-  const int ring = ring_[index] < most_rings ? ring_[index] : -1;
-  const auto at = static_cast<std::size_t>((ring + 1) * bins + bin + 1);
-  if (at >= slots_.size()) slots_.resize(at + bins, -1);
-  if (slots_[at] < 0) {
-    slots_[at] = static_cast<int>(sums_.classes.size());
-    sums_.classes.push_back({ring, bin});
+  int& slot = slots_[static_cast<std::size_t>(ring_[index] * RangeClasses::bins + bin)];
+  if (slot < 0) {
+    slot = static_cast<int>(sums_.classes.size());
+    sums_.classes.push_back({ring_[index] - 1, bin});
   }
-  return static_cast<std::uint16_t>(slots_[at]);
+  return static_cast<std::uint16_t>(slot);
 }
 
 void ReturnPatch::sum_up() {

@@ -99,7 +99,7 @@ class ReturnPatch {
   const InkMap& ink_;
   ReturnArrays returns_;  ///< the finder's first
   std::size_t size_ = 0, found_ = 0;
-  std::vector<std::uint16_t> ring_, of_class_;  ///< by return
+  std::vector<std::uint16_t> ring_, of_class_;  ///< by return; rings from 1 on, 0: not known
   std::vector<int> slots_;                      ///< index of the class by ring and bin, -1: none yet
   Eigen::VectorXf predicted_;                   ///< m along the rays to the reference plane
   Eigen::VectorXf settled_;                     ///< 1: it is; 0: it is not
