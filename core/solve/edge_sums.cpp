@@ -94,6 +94,7 @@ void drop_strays(std::vector<Piece>& pieces) {
 
 std::vector<RimRay> rays_of(const std::vector<Piece>& pieces, double dilation) {
   std::vector<RimRay> rays;
+  rays.reserve(2 * pieces.size());
   for (const Piece& piece : pieces) {
     // The dilation is the same all along the side, whatever the weights' sum.
     const double inside = piece.inside - dilation * (1 - piece.inside_weights.sum());
@@ -155,6 +156,7 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
                                 double slack) {
   const std::array<Side, 4> sides = sides_of(outline, T_lidar_board);
   std::array<std::vector<Piece>, 4> by_side, between_rings;
+  for (std::vector<Piece>& pieces : by_side) pieces.reserve(crossings.size() / 2);
   for (const EdgeCrossing& crossing : crossings) {
     if (crossing.jump < least_jump) continue;
     const auto p_inside = meet(T_lidar_board, crossing.inside, crossing.inside_height);
@@ -180,6 +182,7 @@ std::vector<EdgeSums> edge_sums(std::span<const EdgeCrossing> crossings, const O
     }
   }
   std::vector<EdgeSums> sums;
+  sums.reserve(4);
   for (std::size_t i = 0; i < 4; ++i) {
     // A side that rings cross is known from them; what lies between two rings says the same, less well.
     const bool crossed = !by_side[i].empty();
