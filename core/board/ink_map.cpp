@@ -30,10 +30,19 @@ __attribute__((always_inline)) inline void cut(const Four& place, int size, Cuts
   cuts.part = inside - __builtin_convertvector(cuts.cell, Four);
 }
 
+/// What is at `place` and next to it.
+__attribute__((always_inline)) inline void gather(const float* table, const FourCells& place, Four& here,
+                                                  Four& next) {
+  for (int k = 0; k < 4; ++k) {
+    here[k] = table[place[k]];
+    next[k] = table[place[k] + 1];
+  }
+}
+
 struct Table {
   Eigen::Vector2d corner, cell;
   int columns, rows;
-  const std::int32_t* sums;
+  const float* sums;
 };
 
 CA2_HOT_LOOP void share_of(const Table& table, const double* x, const double* y, const double* width,
@@ -57,14 +66,13 @@ CA2_HOT_LOOP void share_of(const Table& table, const double* x, const double* y,
     cut(middle_y + half_y, table.rows, bottom);
     // Black above a row of cells, between left and right: above and below the cells that top and bottom cut.
     Four above[4];
-    for (int k = 0; k < 4; ++k) {
-      const int rows[4] = {top.cell[k], top.cell[k] + 1, bottom.cell[k], bottom.cell[k] + 1};
-      const std::int32_t *from = table.sums + left.cell[k], *to = table.sums + right.cell[k];
-      for (int j = 0; j < 4; ++j) {
-        const int row = rows[j] * (table.columns + 1);
-        above[j][k] = (to[row] - from[row]) + right.part[k] * (to[row + 1] - to[row]) -
-                      left.part[k] * (from[row + 1] - from[row]);
-      }
+    const FourCells rows[4] = {top.cell, top.cell + 1, bottom.cell, bottom.cell + 1};
+    for (int j = 0; j < 4; ++j) {
+      const FourCells row = rows[j] * (table.columns + 1);
+      Four from, past_from, to, past_to;
+      gather(table.sums, row + left.cell, from, past_from);
+      gather(table.sums, row + right.cell, to, past_to);
+      above[j] = (to - from) + right.part * (past_to - to) - left.part * (past_from - from);
     }
     const Four over = (1 - top.part) * above[0] + top.part * above[1];
     const Four under = (1 - bottom.part) * above[2] + bottom.part * above[3];
@@ -84,10 +92,10 @@ InkMap::InkMap(const Board& board) {
   const int stride = columns_ + 1;
   sums_.assign(static_cast<std::size_t>(stride) * static_cast<std::size_t>(rows_ + 1), 0);
   for (int row = 0; row < rows_; ++row) {
-    std::int32_t in_row = 0;
+    float in_row = 0;
     for (int column = 0; column < columns_; ++column) {
       const Eigen::Vector2d middle = corner_ + cell_.cwiseProduct(Eigen::Vector2d(column + 0.5, row + 0.5));
-      in_row += board.type->black(board, middle) ? 1 : 0;
+      in_row += board.type->black(board, middle) ? 1.0f : 0.0f;
       const auto below = static_cast<std::size_t>((row + 1) * stride + column + 1);
       sums_[below] = sums_[below - static_cast<std::size_t>(stride)] + in_row;
     }

@@ -25,7 +25,7 @@ class InkMap {
   Eigen::Vector2d corner_;  ///< of the first cell, m
   Eigen::Vector2d cell_;    ///< m, along x and y
   int columns_ = 0, rows_ = 0;
-  std::vector<std::int32_t> sums_;  ///< black cells above and to the left: [(rows + 1) x (columns + 1)]
+  std::vector<float> sums_;  ///< black cells above and to the left: [(rows + 1) x (columns + 1)]; exact
 };
 
 }  // namespace ca2

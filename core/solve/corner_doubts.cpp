@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/solve/view_elimination.h"
+
 namespace ca2 {
 namespace {
 
@@ -29,26 +31,28 @@ CameraEvidence evidence_of(const JointInput& input, const JointState& state, std
   evidence.g.setZero(parameters + 2);
   evidence.moves.setZero(parameters);
   evidence.fields.reserve(input.views.size());
+  const double scale = input.corner_scale[c];
+  Elimination pose;
   for (std::size_t v = 0; v < input.views.size(); ++v) {
     if (input.views[v].corners[c].empty()) continue;
     CornerField field(input.views[v].corners[c], input.board_corners, unknowns);
     const Pose T_camera_board = state.T_ref_camera[c].inverse() * state.T_ref_board[v];
     const CornerModel model{camera, T_camera_board, state.stretch};
-    const double scale = input.corner_scale[c];
     if (!field.approach(model, scale, input.corner_huber, reach)) continue;
     const CameraEquations equations = field.equations(model, scale, input.corner_huber);
-    const Eigen::LDLT<Matrix6d> pose(equations.H.topLeftCorner<6, 6>());
-    const auto cross = equations.H.topRightCorner(6, parameters + 2);
-    const Eigen::Matrix<double, 6, Eigen::Dynamic> eliminated = pose.solve(cross);
-    evidence.H +=
-        scale * scale *
-        (equations.H.bottomRightCorner(parameters + 2, parameters + 2) - cross.transpose() * eliminated);
-    evidence.g +=
-        scale * scale * (equations.g.tail(parameters + 2) - eliminated.transpose() * equations.g.head<6>());
+    evidence.H += equations.H.bottomRightCorner(parameters + 2, parameters + 2);
+    evidence.g += equations.g.tail(parameters + 2);
+    pose.eliminate({equations.H.topLeftCorner<6, 6>(), equations.H.topRightCorner(6, parameters + 2),
+                    equations.g.head<6>()},
+                   0);
+    pose.subtract_from(evidence.H, evidence.g);
     evidence.moves = evidence.moves.cwiseMax(field.moves());
     evidence.fields.push_back(std::move(field));
     evidence.poses.push_back(T_camera_board);
   }
+  evidence.H.triangularView<Eigen::StrictlyUpper>() = evidence.H.transpose();
+  evidence.H *= scale * scale;
+  evidence.g *= scale * scale;
   return evidence;
 }
 

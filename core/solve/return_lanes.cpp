@@ -116,7 +116,8 @@ CA2_HOT_LOOP void mark_near(const Rays& rays, Eigen::Index count, const float* a
 
 CA2_HOT_LOOP void add_up(const Rays& rays, double q_z, const float* along, const float* taken,
                          const std::uint16_t* of_class, CorrectionEvidence& sums) {
-  Four JJ[10] = {}, rJ[4] = {}, rr = {};
+  const bool one_class = sums.classes.size() == 1;
+  Four JJ[10] = {}, rJ[4] = {}, rr = {}, all[class_terms] = {};
   for (Eigen::Index i = 0; i < rays.size; i += ReturnArrays::lanes) {
     Four x, y, z, height, range, to, in;
     load(x, rays.x + i);
@@ -142,12 +143,22 @@ CA2_HOT_LOOP void add_up(const Rays& rays, double q_z, const float* along, const
       rJ[row] += one[r] * J[row];
     }
     rr += one[r] * one[r];
+    if (one_class) {
+      for (std::size_t term = 0; term < class_terms; ++term) all[term] += one[term];
+      continue;
+    }
     for (Eigen::Index k = 0; k < ReturnArrays::lanes; ++k) {
       ClassSums& its = sums.classes[of_class[i + k]];
       its.count += one[n][k];
       its.r += one[r][k];
       for (int row = 0; row < 4; ++row) its.J[row] += J[row][k];
     }
+  }
+  if (one_class) {
+    ClassSums& its = sums.classes.front();
+    its.count = sum(all[n]);
+    its.r = sum(all[r]);
+    for (int row = 0; row < 4; ++row) its.J[row] = sum(all[J0 + static_cast<std::size_t>(row)]);
   }
   const Four* here = JJ;
   for (int row = 0; row < 4; ++row) {

@@ -32,11 +32,14 @@ struct SquareAt {
 inline SquareAt square_at(int columns, int rows, double square, const Eigen::Vector2d& p) {
   const double u = p.x() / square + 0.5 * columns;
   const double v = p.y() / square + 0.5 * rows;
-  const double column = std::floor(u);
-  const double row = std::floor(v);
-  // Far outside, the cast to int would be undefined.
-  const bool near = std::abs(column) < 1e6 && std::abs(row) < 1e6;
-  return {near ? static_cast<int>(column) : -1, near ? static_cast<int>(row) : -1, {u - column, v - row}};
+  // Far outside, a cast to int would be undefined.
+  if (!(std::abs(u) < 1e6 && std::abs(v) < 1e6)) return {-1, -1, {0, 0}};
+  const auto below = [](double x) {
+    const int cut = static_cast<int>(x);
+    return cut > x ? cut - 1 : cut;
+  };
+  const int column = below(u), row = below(v);
+  return {column, row, {u - column, v - row}};
 }
 
 /// Complaints about a count and a length that every such board has.
