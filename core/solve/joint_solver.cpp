@@ -23,7 +23,7 @@ namespace {
 
 /// How far boards may move before corners are projected anew, rad and of their distance: while returns and
 /// noise are still being settled, and for the answer. The neglected second order is the square of it.
-constexpr double coarse_reach = 1e-3, fine_reach = 3e-4;
+constexpr double coarse_reach = 1e-3, fine_reach = 5e-4;
 /// Standard deviation of a LiDAR's place from which on rays choose the returns, m.
 constexpr double well_placed = 0.01;
 /// And from as many views on they do in any case: only what rays choose can be rid of the lasers' own errors.
@@ -97,9 +97,8 @@ class Solver {
     // First with the finder's returns, then with those whose rays meet the board where the solution has it.
     solve();
     estimate_corner_noise();
-    // Only the second time round are returns and noise those of the solution, and views to be blamed.
+    // Only the second time round are returns and their noise those of the solution, and views to be blamed.
     solve();
-    estimate_corner_noise();
     solve_and_judge();
     if (!stopping()) question_corners();
     while (views == Disagreeing::dropped && !stopping() && drop_worst()) solve_and_judge();
