@@ -281,7 +281,8 @@ class Solver {
     const std::vector<double> slacks = rims_.slacks(problem_->lidar_place_sigma());
     for (const double slack : slacks) {
       const bool near = slack < usual_rim_slack;
-      if (near) input_.rim_freedom = rim_freedom;
+      // Where planes are sure, rims that lie off are not taken for a LiDAR that does.
+      if (near || slacks.size() == 2) input_.rim_freedom = rim_freedom;
       look_at_rims(slack);
       if (slack == slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);

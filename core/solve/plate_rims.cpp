@@ -52,8 +52,7 @@ std::vector<double> PlateRims::slacks(double place_sigma) const {
   const Outline plate = board_.extent();
   const double reach = std::min(3 * place_sigma, 0.5 * std::min(plate.width, plate.height));
   std::vector<double> list{usual_rim_slack, 0.025, final_slack};
-  // Where planes are nearly that sure there is nothing to approach step by step.
-  if (reach < final_slack) list.erase(list.begin() + 1);
+  if (reach < 0.5 * final_slack) list.erase(list.begin() + 1);
   while (list.front() < reach) list.insert(list.begin(), 2 * list.front());
   return list;
 }

@@ -28,7 +28,8 @@ class PlateRims {
 
   bool any(std::span<const std::size_t> used) const;
   /// What to look within, solve after solve, where planes left the LiDARs' places open to `place_sigma` [m]:
-  /// at first as far as that may have put them off, up to half the plate.
+  /// at first as far as that may have put them off, up to half the plate. Two where planes are so
+  /// sure of them that nothing is to be approached step by step.
   std::vector<double> slacks(double place_sigma) const;
   /// How far a rim may lie from where it is predicted, m; 0, as at first: rims are not used.
   void look_within(double slack) { slack_ = slack; }
