@@ -126,9 +126,9 @@ class JointProblem {
   /// Information of the globals with the board poses marginalised, at the state last linearised.
   Eigen::MatrixXd information() const;
   /// What the views at the state last linearised, close to the minimum, say of the deviations that have a
-  /// prior: stated focal lengths, principal points and distortion, the print's stretch, the range biases and the
-  /// rims' freedom are a group each. Nothing where they are all held or the views determine nothing without
-  /// them.
+  /// prior: stated focal lengths, principal points and distortion, the print's stretch, the range biases and
+  /// the rims' freedom are a group each. Nothing where they are all held or the views determine nothing
+  /// without them.
   std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
 
   /// One view's share of `information()` and of the marginal gradient, at the state last linearised: what

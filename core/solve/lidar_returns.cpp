@@ -57,12 +57,12 @@ void LidarReturns::correct(const std::vector<PlacedBoard>& boards, const RangeSt
   for (const PlacedBoard& board : boards) {
     const ReturnPatch& patch = *patches_[board.view];
     if (patch.count() < 10) continue;
-    const Plane own =
-        patch.fit_plane(board_plane(board.T_lidar_board),
-                        gate(*sights_[board.view], board.T_lidar_board, state.sigma), correction_);
+    const Plane own = patch.fit_plane(board_plane(board.T_lidar_board),
+                                      gate(*sights_[board.view], board.T_lidar_board, state.sigma));
     evidence.push_back(patch.evidence(own, own_gate(state.sigma)));
   }
   correction_ = estimate_range_correction(classes_, evidence, state.sigma);
+  for (const PlacedBoard& board : boards) patches_[board.view]->correct(correction_);
   corrected_sigma_ = state.sigma;
 }
 
@@ -75,6 +75,7 @@ std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<Pla
         std::min(gate(*sights_[board.view], board.T_lidar_board, state.sigma), own_gate(state.sigma));
     if (patches_[board.view]->aim(board.outline, board.T_lidar_board, margin(board.T_lidar_board), state.bias,
                                   least)) {
+      patches_[board.view]->correct(correction_);
       ++moved;
     }
     views.push_back(board.view);
@@ -86,9 +87,9 @@ std::vector<std::optional<RangeSums>> LidarReturns::by_ray(const std::vector<Pla
   corrected_ = std::move(views);
   std::vector<std::optional<RangeSums>> all;
   for (const PlacedBoard& board : boards) {
-    all.emplace_back(patches_[board.view]->sums(board_plane(board.T_lidar_board), state.bias,
-                                                gate(*sights_[board.view], board.T_lidar_board, state.sigma),
-                                                correction_));
+    all.emplace_back(
+        patches_[board.view]->sums(board_plane(board.T_lidar_board), state.bias,
+                                   gate(*sights_[board.view], board.T_lidar_board, state.sigma)));
     if (all.back()->weight < 4) all.back().reset();
   }
   return all;

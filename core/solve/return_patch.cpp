@@ -105,14 +105,11 @@ void ReturnPatch::settle(const Place& place, double margin) {
   std::fill(slots_.begin(), slots_.end(), -1);
   for (std::size_t k = 0; k < size_; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    if (settled_(i) > 0) {
-      ++settled_count_;
-    } else if (open(i) > 0) {
-      open_.push_back(opened(k));
-    } else {
-      continue;
-    }
+    const bool certain = settled_(i) > 0;
+    if (!certain && !(open(i) > 0)) continue;
     of_class_[k] = class_of(k, RangeClasses::bin(ink(i)));
+    settled_count_ += certain ? 1 : 0;
+    if (!certain) open_.push_back(opened(k));
   }
   for (std::size_t i = 0; i < 4; ++i) {
     rim_[i] = (place.T_lidar_board * Eigen::Vector3d(center.x() + (i & 1 ? half_width : -half_width),
@@ -134,13 +131,45 @@ std::uint16_t ReturnPatch::class_of(std::size_t index, int bin) {
 void ReturnPatch::sum_up() {
   if (sums_.classes.empty()) sums_.classes.resize(1);
   sum_returns(returns_, reference_, predicted_, settled_, of_class_, sums_);
+  correct({});
+}
+
+void ReturnPatch::correct(const RangeCorrection& correction) {
+  most_off_ = correction.largest();
+  off_.clear();
+  for (const ClassSums& one : sums_.classes) off_.push_back(correction.at(one.ring, one.bin));
+  for (Open& one : open_) one.off = off_[one.of_class];
+  corrected_ = {};
+  corrected_.reference = reference_;
+  double r = 0, rr = sums_.rr;
+  Eigen::Vector4d rJ = sums_.rJ, J = Eigen::Vector4d::Zero();
+  for (std::size_t i = 0; i < off_.size(); ++i) {
+    const ClassSums& one = sums_.classes[i];
+    const double off = off_[i];
+    corrected_.weight += one.count;
+    J += one.J;
+    r += one.r - off * one.count;
+    rr += off * (off * one.count - 2 * one.r);
+    rJ -= off * one.J;
+  }
+  // By q, the bias (whose derivative is -1), the slope.
+  Matrix5d& H = corrected_.H;
+  H.topLeftCorner<3, 3>() = sums_.JJ.topLeftCorner<3, 3>();
+  H.block<3, 1>(0, 3) = -J.head<3>();
+  H.block<3, 1>(0, 4) = sums_.JJ.block<3, 1>(0, 3);
+  H(3, 3) = corrected_.weight;
+  H(3, 4) = -J(3);
+  H(4, 4) = sums_.JJ(3, 3);
+  H.triangularView<Eigen::StrictlyLower>() = H.transpose();
+  corrected_.gradient << rJ.head<3>(), -r, rJ(3);
+  corrected_.cost = 0.5 * rr;
 }
 
 Plane ReturnPatch::fit_found(const Plane& plane, double gate, RangeSums* sums) {
   Plane fit = plane;
   for (int i = 0; i < 10; ++i) {
     settle_found(fit, gate);
-    fit = fit_plane(fit, gate, {}, sums);
+    fit = fit_plane(fit, gate, sums);
     if (!(move_to(inverse_plane(fit)) > plane_reach)) break;
   }
   return fit;
@@ -159,6 +188,7 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
   const Near near = find_near(returns_, found_, predicted_, 0.6 * gate, settled_);
   settled_count_ = near.count;
   spread_ = near.spread;
+  std::fill(of_class_.begin(), of_class_.end(), 0);
   open_.clear();
   for (std::size_t k = 0; k < found_ && open_.size() + settled_count_ < found_; ++k) {
     if (!(settled_(static_cast<Eigen::Index>(k)) > 0)) open_.push_back(opened(k));
@@ -170,7 +200,6 @@ void ReturnPatch::settle_found(const Plane& plane, double gate) {
   for (std::size_t i = 0; i < 4; ++i) {
     rim_[i] = (middle + radius * ((i & 1 ? 1 : -1) * across + (i & 2 ? 1 : -1) * along)).normalized();
   }
-  std::fill(of_class_.begin(), of_class_.end(), 0);
   sums_.classes.assign(1, {});
   sum_up();
 }
@@ -186,23 +215,23 @@ std::optional<int> ReturnPatch::highest_ring() const {
     if (one.count > 0) look(one.ring);
   }
   for (const Open& one : open_) {
-    if (one.chosen) look(sums_.classes[of_class_[one.index]].ring);
+    if (one.chosen) look(sums_.classes[one.of_class].ring);
   }
   return known ? std::optional(highest) : std::nullopt;
 }
 
 ReturnPatch::Open ReturnPatch::opened(std::size_t index) const {
   const auto i = static_cast<Eigen::Index>(index);
-  Open one{index, true, returns_.ray(index), returns_.height(index), {}};
+  Open one{of_class_[index], true, returns_.height(index), returns_.range(i), 0, returns_.ray(index), {}};
   const double predicted = predicted_(i);
   // By q: (o + rho u) / (u.q), see `range_sums`.
   const double per_toward = predicted / (1 - one.height * reference_.z());
-  one.linear.r = double{returns_.range(i)} - predicted;
+  one.linear.r = one.range - predicted;
   one.linear.J << per_toward * (predicted * one.ray + Eigen::Vector3d(0, 0, one.height)), -one.ray.z();
   return one;
 }
 
-bool ReturnPatch::all_settled_pass(const Pass& pass, const RangeCorrection& correction) const {
+bool ReturnPatch::all_settled_pass(const Pass& pass) const {
   // The move of the plane along the rays is extreme at the rim (and a little other for rays that do not begin
   // in the origin).
   double off = 0;
@@ -210,24 +239,23 @@ bool ReturnPatch::all_settled_pass(const Pass& pass, const RangeCorrection& corr
     const double move = 1.1 * (1 / u.dot(pass.q) - 1 / u.dot(reference_));
     off = std::max(off, std::abs((place_ ? place_->bias : 0) - move - pass.bias));
   }
-  return spread_ + off + correction.largest() + 1e-4 <= pass.gate;
+  return spread_ + off + (pass.corrected ? most_off_ : 0) + 1e-4 <= pass.gate;
 }
 
 template <typename Add>
-void ReturnPatch::each_passing(const Pass& pass, const RangeCorrection& correction, bool settled,
-                               const Add& add) const {
+void ReturnPatch::each_passing(const Pass& pass, bool settled, const Add& add) const {
   const auto look = [&](const Open& here) {
     const double predicted = (1 - here.height * pass.q.z()) / here.ray.dot(pass.q);
     if (!(predicted > 0)) return;  // the ray does not meet the plane ahead
-    const ClassSums& its = sums_.classes[of_class_[here.index]];
-    const double off = correction.at(its.ring, its.bin);
-    const double residual =
-        returns_.range(static_cast<Eigen::Index>(here.index)) - off - predicted - pass.bias;
-    if (std::abs(residual) <= pass.gate) add(here, off);
+    const double residual = here.range - (pass.corrected ? here.off : 0) - predicted - pass.bias;
+    if (std::abs(residual) <= pass.gate) add(here);
   };
   if (settled) {
     for (std::size_t k = 0; k < size_; ++k) {
-      if (settled_(static_cast<Eigen::Index>(k)) > 0) look(opened(k));
+      if (!(settled_(static_cast<Eigen::Index>(k)) > 0)) continue;
+      Open one = opened(k);
+      one.off = off_[one.of_class];
+      look(one);
     }
   } else {
     for (const Open& one : open_) {
@@ -236,38 +264,11 @@ void ReturnPatch::each_passing(const Pass& pass, const RangeCorrection& correcti
   }
 }
 
-RangeSums ReturnPatch::corrected(const RangeCorrection& correction) const {
+RangeSums ReturnPatch::sums_of(const Pass& pass) const {
   RangeSums sums;
   sums.reference = reference_;
-  double r = 0, rr = sums_.rr;
-  Eigen::Vector4d rJ = sums_.rJ, J = Eigen::Vector4d::Zero();
-  for (const ClassSums& one : sums_.classes) {
-    const double off = correction.at(one.ring, one.bin);
-    sums.weight += one.count;
-    J += one.J;
-    r += one.r - off * one.count;
-    rr += off * (off * one.count - 2 * one.r);
-    rJ -= off * one.J;
-  }
-  // By q, the bias (whose derivative is -1), the slope.
-  sums.H.topLeftCorner<3, 3>() = sums_.JJ.topLeftCorner<3, 3>();
-  sums.H.block<3, 1>(0, 3) = -J.head<3>();
-  sums.H.block<3, 1>(0, 4) = sums_.JJ.block<3, 1>(0, 3);
-  sums.H(3, 3) = sums.weight;
-  sums.H(3, 4) = -J(3);
-  sums.H(4, 4) = sums_.JJ(3, 3);
-  sums.H.triangularView<Eigen::StrictlyLower>() = sums.H.transpose();
-  sums.gradient << rJ.head<3>(), -r, rJ(3);
-  sums.cost = 0.5 * rr;
-  return sums;
-}
-
-RangeSums ReturnPatch::sums_of(const Pass& pass, const RangeCorrection& correction,
-                               const RangeSums& settled) const {
-  RangeSums sums;
-  sums.reference = reference_;
-  const auto add = [&](const Open& here, double off) {
-    const double r = here.linear.r - off;
+  const auto add = [&](const Open& here) {
+    const double r = here.linear.r - here.off;
     Vector5d J;
     J << here.linear.J.head<3>(), -1, here.linear.J(3);
     sums.H.noalias() += J.lazyProduct(J.transpose());
@@ -275,26 +276,25 @@ RangeSums ReturnPatch::sums_of(const Pass& pass, const RangeCorrection& correcti
     sums.cost += 0.5 * r * r;
     sums.weight += 1;
   };
-  if (all_settled_pass(pass, correction)) {
-    sums = settled;
+  if (all_settled_pass(pass)) {
+    sums = corrected_;
   } else {
-    each_passing(pass, correction, true, add);
+    each_passing(pass, true, add);
   }
-  each_passing(pass, correction, false, add);
+  each_passing(pass, false, add);
   return sums;
 }
 
-RangeSums ReturnPatch::sums(const Plane& plane, double bias, double gate,
-                            const RangeCorrection& correction) const {
-  return sums_of({inverse_plane(plane), bias, gate}, correction, corrected(correction));
+RangeSums ReturnPatch::sums(const Plane& plane, double bias, double gate) const {
+  return sums_of({inverse_plane(plane), bias, gate});
 }
 
 CorrectionEvidence ReturnPatch::evidence(const Plane& plane, double gate) const {
-  const Pass pass{inverse_plane(plane), 0, gate};
+  const Pass pass{inverse_plane(plane), 0, gate, false};
   CorrectionEvidence all = sums_;
-  const auto add = [&](const Open& open, double) {
+  const auto add = [&](const Open& open) {
     const Linear& here = open.linear;
-    ClassSums& one = all.classes[of_class_[open.index]];
+    ClassSums& one = all.classes[open.of_class];
     one.count += 1;
     one.r += here.r;
     one.J += here.J;
@@ -302,20 +302,18 @@ CorrectionEvidence ReturnPatch::evidence(const Plane& plane, double gate) const 
     all.rJ += here.r * here.J;
     all.rr += here.r * here.r;
   };
-  if (!all_settled_pass(pass, {})) {
+  if (!all_settled_pass(pass)) {
     all = {};
     for (const ClassSums& one : sums_.classes) all.classes.push_back({one.ring, one.bin});
-    each_passing(pass, {}, true, add);
+    each_passing(pass, true, add);
   }
-  each_passing(pass, {}, false, add);
+  each_passing(pass, false, add);
   return all;
 }
 
-Plane ReturnPatch::fit_plane(const Plane& plane, double gate, const RangeCorrection& correction,
-                             RangeSums* sums) const {
-  const RangeSums settled = corrected(correction);
+Plane ReturnPatch::fit_plane(const Plane& plane, double gate, RangeSums* sums) const {
   Eigen::Vector3d q = inverse_plane(plane);
-  RangeSums current = sums_of({q, 0, gate}, correction, settled);
+  RangeSums current = sums_of({q, 0, gate});
   for (int i = 0; i < 10; ++i) {
     // The sums are about the reference, whatever q decided on who takes part.
     const Eigen::LDLT<Eigen::Matrix3d> ldlt(current.H.topLeftCorner<3, 3>());
@@ -324,7 +322,7 @@ Plane ReturnPatch::fit_plane(const Plane& plane, double gate, const RangeCorrect
     const double step = (best - q).norm();
     q = best;
     if (step < 1e-12 * q.norm()) break;
-    current = sums_of({q, 0, gate}, correction, settled);
+    current = sums_of({q, 0, gate});
   }
   if (sums) *sums = current;
   const double norm = q.norm();

@@ -28,11 +28,14 @@ class ReturnPatch {
 
   /// Chooses the returns whose rays meet the plate at least `margin` [m] inside its rim, as the plate lies at
   /// T_lidar_board. `bias` and `gate` [m] are about what the sums will be asked for.
-  /// True where the board moved so far that all returns were looked at, and classified, again.
+  /// True where the board moved so far that all returns were looked at, and classified, again; nothing is
+  /// corrected then.
   bool aim(const Outline& outline, const Pose& T_lidar_board, double margin, double bias, double gate);
   /// Chooses the returns that the finder held for the board and gives the plane that fits them best, found
   /// from `plane`: those within `gate` [m] of it take part, and make the `sums`.
   Plane fit_found(const Plane& plane, double gate, RangeSums* sums = nullptr);
+  /// Takes out what ranges are off by.
+  void correct(const RangeCorrection& correction);
 
   /// Returns chosen, whatever their residuals.
   std::size_t count() const { return chosen_; }
@@ -40,13 +43,12 @@ class ReturnPatch {
   std::optional<int> highest_ring() const;
 
   /// The plane that fits the chosen returns best in the least-squares sense, from `plane`, those within
-  /// `gate` [m] of it, their ranges corrected. `sums`, where given, are those about it.
-  Plane fit_plane(const Plane& plane, double gate, const RangeCorrection& correction,
-                  RangeSums* sums = nullptr) const;
+  /// `gate` [m] of it. `sums`, where given, are those about it.
+  Plane fit_plane(const Plane& plane, double gate, RangeSums* sums = nullptr) const;
   /// The sums of the chosen returns that are within `gate` [m] of `plane` and the bias; linearised at the
   /// place last aimed at, or close to it.
-  RangeSums sums(const Plane& plane, double bias, double gate, const RangeCorrection& correction) const;
-  /// What corrections are found from, over the chosen returns within `gate` [m] of `plane`.
+  RangeSums sums(const Plane& plane, double bias, double gate) const;
+  /// What corrections are found from, over the chosen returns within `gate` [m] of `plane`, uncorrected.
   CorrectionEvidence evidence(const Plane& plane, double gate) const;
 
  private:
@@ -64,16 +66,18 @@ class ReturnPatch {
   };
   /// A return that is not settled, with what is asked of it again and again.
   struct Open {
-    std::size_t index;
+    std::uint16_t of_class;
     bool chosen;
+    double height, range;  ///< m
+    double off;            ///< m: its range is to be corrected by so much
     Eigen::Vector3d ray;
-    double height;  ///< m
     Linear linear;
   };
   /// Which returns take part.
   struct Pass {
     Eigen::Vector3d q;
     double bias, gate;
+    bool corrected = true;  ///< judged by its corrected range
   };
 
   bool holds(const Place& place) const;
@@ -82,19 +86,16 @@ class ReturnPatch {
   /// Of a return by its ring and a bin of RangeClasses.
   std::uint16_t class_of(std::size_t index, int bin);
   Open opened(std::size_t index) const;
-  void sum_up();
+  void sum_up();  ///< the settled ones, uncorrected
   /// How much further along the rays than the reference plane this one is, at most, m.
   double move_to(const Eigen::Vector3d& q) const;
 
   /// Do the settled ones pass for certain?
-  bool all_settled_pass(const Pass& pass, const RangeCorrection& correction) const;
-  /// Calls add(index, m by which its range is corrected) for the settled returns that pass, or only for the
-  /// open ones.
+  bool all_settled_pass(const Pass& pass) const;
+  /// Calls add(Open) for the settled returns that pass, or only for the open ones.
   template <typename Add>
-  void each_passing(const Pass& pass, const RangeCorrection& correction, bool settled, const Add& add) const;
-  RangeSums corrected(const RangeCorrection& correction) const;  ///< all the settled ones'
-  /// Of all that pass; `settled`: `corrected`.
-  RangeSums sums_of(const Pass& pass, const RangeCorrection& correction, const RangeSums& settled) const;
+  void each_passing(const Pass& pass, bool settled, const Add& add) const;
+  RangeSums sums_of(const Pass& pass) const;  ///< of all that pass
 
   const InkMap& ink_;
   ReturnArrays returns_;  ///< the finder's first
@@ -111,6 +112,9 @@ class ReturnPatch {
   std::size_t settled_count_ = 0, chosen_ = 0;
   std::vector<Open> open_;
   CorrectionEvidence sums_;  ///< of the settled
+  RangeSums corrected_;      ///< the same, corrected
+  std::vector<double> off_;  ///< m, by class: the correction
+  double most_off_ = 0;      ///< m
 };
 
 }  // namespace ca2

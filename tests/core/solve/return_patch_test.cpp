@@ -113,7 +113,8 @@ TEST_P(Moves, SumsAreThoseOfAllReturns) {
     for (int k = 0; k < 6; ++k) d(k) = step(rng);
     pose = pose.perturbed(d);
     if (patch.aim(outline, pose, margin, bias, gate)) classified = pose;
-    const RangeSums sums = patch.sums(board_plane(pose), bias, gate, correction);
+    patch.correct(correction);
+    const RangeSums sums = patch.sums(board_plane(pose), bias, gate);
     const RangeSums all = one_by_one(sight, classified, pose, sums.reference, bias, gate, ink, correction);
     ASSERT_EQ(sums.weight, all.weight) << move;
     EXPECT_GT(sums.weight, 1000);
