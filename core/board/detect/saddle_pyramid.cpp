@@ -82,18 +82,50 @@ int peak_lanes(const std::int16_t* at, int w, const cv::v_int16x8& threshold) {
   return cv::v_signmask(peaks);
 }
 
+/// The responses of a level, some rows at a time: all of them would be as large as the level, and be read from
+/// memory again.
+class ResponseRows {
+ public:
+  explicit ResponseRows(const SaddleLevel& level)
+      : level_(level), w_(static_cast<std::size_t>(level.width)), rows_((at_once + 2 * beside) * w_, 0) {}
+
+  /// Rows `first` to first + at_once, and two on each side; asked for from top to bottom, without a gap.
+  void move_to(int first) {
+    if (first > 4) std::copy_n(&rows_[at_once * w_], 2 * beside * w_, rows_.begin());
+    for (int y = first > 4 ? first + beside : 4; y < first + at_once + beside; ++y) {
+      std::int16_t* const to = &rows_[static_cast<std::size_t>(y - first + beside) * w_];
+      if (y < level_.height - 4) {
+        respond(level_, y, to);
+      } else {
+        std::fill_n(to, w_, std::int16_t{0});
+      }
+    }
+    first_ = first;
+  }
+  const std::int16_t* row(int y) const { return &rows_[static_cast<std::size_t>(y - first_ + beside) * w_]; }
+
+  static constexpr int at_once = 28;
+
+ private:
+  static constexpr int beside = 2;
+  const SaddleLevel& level_;
+  std::size_t w_;
+  std::vector<std::int16_t> rows_;
+  int first_ = 0;
+};
+
 std::vector<Peak> peaks_of(const SaddleLevel& level, std::size_t most) {
   const int w = level.width;
   const int h = level.height;
   std::vector<Peak> peaks;
   if (w < 16 || h < 16) return peaks;
-  std::vector<std::int16_t> response(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), 0);
-  for (int y = 4; y < h - 4; ++y) respond(level, y, response.data() + static_cast<std::size_t>(y) * w);
   const auto least =
       static_cast<std::int16_t>(least_strength * least_strength * 4096 / (1 << response_shift));
   const cv::v_int16x8 threshold = cv::v_setall_s16(least);
+  ResponseRows response(level);
   for (int y = 4; y < h - 4; ++y) {
-    const std::int16_t* row = response.data() + static_cast<std::size_t>(y) * w;
+    if ((y - 4) % ResponseRows::at_once == 0) response.move_to(y);
+    const std::int16_t* row = response.row(y);
     for (int x = 4; x < w - 4; x += 8) {
       const int end = std::min(x + 8, w - 4);
       const unsigned lanes = end == x + 8 ? static_cast<unsigned>(peak_lanes(row + x, w, threshold)) : 0xffu;
@@ -232,17 +264,16 @@ std::vector<Saddle> strongest_saddles(const std::vector<SaddleLevel>& levels, Ri
   // Marks the places taken, in cells of a level's pixels: a coarse level repeats what a finer one saw.
   for (int k = 0; k < static_cast<int>(levels.size()); ++k) {
     const SaddleLevel& level = levels[static_cast<std::size_t>(k)];
-    std::vector<std::uint8_t> taken(static_cast<std::size_t>(level.width) *
-                                    static_cast<std::size_t>(level.height));
+    std::vector<bool> taken(static_cast<std::size_t>(level.width) * static_cast<std::size_t>(level.height));
     const auto mark = [&](const Eigen::Vector2d& pixel, bool test) {
       const Eigen::Vector2d p = level.to_level(pixel);
       const int x = static_cast<int>(std::lround(p.x()));
       const int y = static_cast<int>(std::lround(p.y()));
       for (int j = std::max(0, y - 1); j <= std::min(level.height - 1, y + 1); ++j) {
         for (int i = std::max(0, x - 1); i <= std::min(level.width - 1, x + 1); ++i) {
-          std::uint8_t& cell = taken[static_cast<std::size_t>(j) * level.width + i];
-          if (test && cell != 0) return false;
-          if (!test) cell = 1;
+          auto cell = taken[static_cast<std::size_t>(j) * level.width + i];
+          if (test && cell) return false;
+          if (!test) cell = true;
         }
       }
       return true;
