@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/lidar/scan_grid.h"
+#include "core/types/hot_loop.h"
 
 namespace ca2 {
 namespace {
@@ -14,17 +15,36 @@ constexpr float row_step = 0.0175f;  // rad: a degree, too; beams farther apart 
 constexpr int rows = 180;            // over all elevations
 constexpr std::int64_t epoch_length = 30'000'000'000;  // ns
 constexpr std::int64_t first_look = 1'000'000'000;     // ns
+constexpr std::size_t points_at_once = 512;
+
+/// The cells of points' directions; `across`: m, their distances from the z axis.
+CA2_HOT_LOOP void find_cells(std::size_t size, const float* __restrict points, const float* __restrict across,
+                             std::uint32_t* __restrict cells) {
+  constexpr float pi = std::numbers::pi_v<float>;
+  for (std::size_t i = 0; i < size; ++i) {
+    const float column = (fast_azimuth(points[3 * i], points[3 * i + 1]) + pi) * (columns / (2 * pi));
+    const float row = (fast_azimuth(across[i], points[3 * i + 2]) + pi / 2) * (1 / row_step);
+    cells[i] = static_cast<std::uint32_t>(row < rows - 1 ? row : rows - 1) * columns +
+               static_cast<std::uint32_t>(column < columns - 1 ? column : columns - 1);
+  }
+}
+
+/// Of a scan's points, some at a time, with the cells they fall in.
+class Cells {
+ public:
+  /// At most points_at_once.
+  void find(std::span<const Eigen::Vector3f> points) {
+    for (std::size_t i = 0; i < points.size(); ++i) across_[i] = points[i].head<2>().norm();
+    find_cells(points.size(), points.front().data(), across_, cells_);
+  }
+  std::uint32_t operator[](std::size_t i) const { return cells_[i]; }
+
+ private:
+  float across_[points_at_once];
+  std::uint32_t cells_[points_at_once];
+};
 
 }  // namespace
-
-std::size_t Background::cell(const Eigen::Vector3f& p) const {
-  constexpr float pi = std::numbers::pi_v<float>;
-  const float turn = (fast_azimuth(p.x(), p.y()) + pi) / (2 * pi);
-  const float elevation = fast_azimuth(std::hypot(p.x(), p.y()), p.z());
-  const int column = std::clamp(static_cast<int>(turn * columns), 0, columns - 1);
-  const int row = std::clamp(static_cast<int>((elevation + pi / 2) / row_step), 0, rows - 1);
-  return static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column);
-}
 
 void Background::add(const Scan& scan, std::int64_t time) {
   if (empty_ || time < newest_) {  // the first scan, or the clock was set back
@@ -39,10 +59,16 @@ void Background::add(const Scan& scan, std::int64_t time) {
     std::fill(farthest_.begin(), farthest_.end(), 0.0f);
     epoch_ = time;
   }
-  for (const Eigen::Vector3f& p : scan.points) {
-    if (!is_return(p)) continue;
-    float& far = farthest_[cell(p)];
-    far = std::max(far, p.norm());
+  Cells cells;
+  for (std::size_t first = 0; first < scan.size(); first += points_at_once) {
+    const auto points = std::span(scan.points).subspan(first, std::min(points_at_once, scan.size() - first));
+    cells.find(points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const float square = points[i].squaredNorm();
+      if (!is_return(square)) continue;
+      float& farthest = farthest_[cells[i]];
+      farthest = std::max(farthest, square);
+    }
   }
 }
 
@@ -53,9 +79,10 @@ bool Background::known() const {
 double Background::before(const Scan& scan, std::span<const std::uint32_t> returns) const {
   if (!known() || returns.empty()) return std::numeric_limits<double>::quiet_NaN();
   std::size_t before = 0;
+  Cells cells;
   for (const std::uint32_t i : returns) {
-    const std::size_t at = cell(scan.points[i]);
-    const float far = std::max(farthest_[at], previous_[at]);
+    cells.find(std::span(&scan.points[i], 1));
+    const float far = std::sqrt(std::max(farthest_[cells[0]], previous_[cells[0]]));
     const float range = scan.points[i].norm();
     // Nothing came back from there before: the sky, or something black.
     before += far == 0 || range < 0.95f * far - 0.15f;

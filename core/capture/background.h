@@ -20,10 +20,9 @@ class Background {
   double before(const Scan& scan, std::span<const std::uint32_t> returns) const;
 
  private:
-  std::size_t cell(const Eigen::Vector3f& point) const;
   bool known() const;
 
-  std::vector<float> farthest_;                      ///< m, of this epoch; 0: nothing came back
+  std::vector<float> farthest_;                      ///< m^2, of this epoch; 0: nothing came back
   std::vector<float> previous_;                      ///< of the epoch before
   std::int64_t first_ = 0, newest_ = 0, epoch_ = 0;  ///< ns
   bool empty_ = true;

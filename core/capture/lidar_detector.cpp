@@ -8,8 +8,9 @@ LidarObservation LidarDetector::detect(std::int64_t time, std::shared_ptr<const 
   LidarObservation observation;
   observation.lidar = lidar_;
   observation.time = time;
-  for (const BoardCandidate& candidate : finder_.find(*scan)) {
-    observation.sights.push_back(sight_of(*scan, board_, candidate));
+  const std::vector<BoardCandidate> candidates = finder_.find(*scan);
+  observation.sights = sights_of(*scan, board_, candidates);
+  for (const BoardCandidate& candidate : candidates) {
     observation.novelty.push_back(background_.before(*scan, candidate.returns));
   }
   background_.add(*scan, time);

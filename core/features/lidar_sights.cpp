@@ -4,8 +4,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/types/hot_loop.h"
+
 namespace ca2 {
 namespace {
+
+constexpr std::size_t returns_at_once = 512;  // most of them are far from the board: passed over together
 
 /// What may be stored of a return's intensity, see BoardReturn: a few white squares and a strip of tape
 /// differ by a hundred times at most, and vendors count up to 1, 255 or 65535.
@@ -31,57 +35,120 @@ class IntensityScale {
   float scale_ = 0;
 };
 
-/// Returns whose rays pass within a quarter more than the board's half-diagonal of the patch's centre, but
-/// for those on a hand: what the choice of returns by ray is made from.
-void gather_around(const Scan& scan, const BoardCandidate& candidate, const Board& board, LidarSight& sight) {
-  const Outline extent = board.extent();
-  const double distance = sight.center.norm();
-  const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
-  const double cosine = std::cos(std::atan2(radius, distance));
-  const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
-  const IntensityScale intensity(scan, candidate);
-  std::vector<char> on_board(scan.size(), 0), covered(scan.size(), 0);
-  for (const std::uint32_t i : candidate.returns) on_board[i] = 1;
-  for (const std::uint32_t i : candidate.covered) covered[i] = 1;
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Eigen::Vector3f& p = scan.points[i];
-    BoardReturn here{p};
-    if (!scan.ring.empty()) here.ring = scan.ring[i];
-    const std::size_t beam = candidate.found_ring ? (*candidate.found_ring)[i] : here.ring;
-    if (beam < candidate.beam_height.size()) here.height = candidate.beam_height[beam];
-    const bool beside =
-        !on_board[i] && !covered[i] && p.dot(axis) > static_cast<float>(cosine) * p.norm();  // not for NaN
-    if (!on_board[i] && !beside) continue;
-    here.intensity = intensity.of(i);
-    (beside ? sight.around : sight.on_board).push_back(here);
+/// Rays within an angle of an axis, less than a right one.
+struct Cone {
+  float x, y, z;  ///< unit
+  float square;   ///< of the angle's cosine
+};
+
+/// Which of the points are within. Is any?
+CA2_HOT_LOOP bool mark_within(const Cone& cone, std::size_t size, const float* __restrict points,
+                              std::uint8_t* __restrict within) {
+  float inside[returns_at_once];
+  const float x = cone.x, y = cone.y, z = cone.z, square = cone.square;
+  for (std::size_t i = 0; i < size; ++i) {
+    const float px = points[3 * i], py = points[3 * i + 1], pz = points[3 * i + 2];
+    const float along = px * x + (py * y + pz * z);
+    // Squares, as roots cannot be taken eight at a time. Not for NaN.
+    const bool is = (along > 0) & (along * along > square * (px * px + (py * py + pz * pz)));
+    inside[i] = is ? 1.0f : 0.0f;
   }
+  std::uint8_t any = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    within[i] = inside[i] > 0 ? 1 : 0;
+    any |= within[i];
+  }
+  return any != 0;
 }
+
+/// Gathers the returns on a candidate; and those whose rays pass within a quarter more than the board's
+/// half-diagonal of the patch's centre, but for those on a hand: what the choice of returns by ray is made
+/// from.
+class Gathering {
+ public:
+  Gathering(const Scan& scan, const BoardCandidate& candidate, const Board& board, LidarSight& sight)
+      : scan_(scan),
+        candidate_(candidate),
+        sight_(sight),
+        intensity_(scan, candidate),
+        on_board_(candidate.returns) {
+    const Outline extent = board.extent();
+    const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
+    const double square = sight.center.squaredNorm();
+    const Eigen::Vector3f axis = sight.center.normalized().cast<float>();
+    cone_ = {axis.x(), axis.y(), axis.z(), static_cast<float>(square / (square + radius * radius))};
+    std::sort(on_board_.begin(), on_board_.end());
+    on_board_.push_back(UINT32_MAX);
+  }
+
+  /// At most returns_at_once of the scan's returns, those that follow what was added before.
+  void add(std::size_t first, std::size_t end) {
+    std::uint8_t within[returns_at_once];
+    const bool any = mark_within(cone_, end - first, scan_.points[first].data(), within);
+    if (!any && on_board_[next_] >= end) return;
+    for (std::size_t i = first; i < end; ++i) {
+      const bool on = on_board_[next_] == i;
+      if (on) ++next_;
+      if (on || (within[i - first] != 0 && !covered(i)))
+        (on ? sight_.on_board : sight_.around).push_back(of(i));
+    }
+  }
+
+ private:
+  bool covered(std::size_t i) const {
+    return std::binary_search(candidate_.covered.begin(), candidate_.covered.end(), i);
+  }
+
+  BoardReturn of(std::size_t i) const {
+    BoardReturn here{scan_.points[i]};
+    if (!scan_.ring.empty()) here.ring = scan_.ring[i];
+    const std::size_t beam = candidate_.found_ring ? (*candidate_.found_ring)[i] : here.ring;
+    if (beam < candidate_.beam_height.size()) here.height = candidate_.beam_height[beam];
+    here.intensity = intensity_.of(i);
+    return here;
+  }
+
+  const Scan& scan_;
+  const BoardCandidate& candidate_;
+  LidarSight& sight_;
+  IntensityScale intensity_;
+  Cone cone_;
+  std::vector<std::uint32_t> on_board_;  ///< rising, and an end
+  std::size_t next_ = 0;                 ///< in on_board_
+};
 
 }  // namespace
 
-LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate) {
-  LidarSight sight;
-  sight.plane = candidate.plane;
-  sight.center = candidate.T_lidar_board.t;
-  sight.crossings = candidate.crossings;
-  sight.rms = candidate.rms;
-  sight.score = candidate.score;
-  gather_around(scan, candidate, board, sight);
-  return sight;
+std::vector<LidarSight> sights_of(const Scan& scan, const Board& board,
+                                  std::span<const BoardCandidate> candidates) {
+  std::vector<LidarSight> sights(candidates.size());
+  std::vector<Gathering> gatherings;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const BoardCandidate& candidate = candidates[k];
+    LidarSight& sight = sights[k];
+    sight.plane = candidate.plane;
+    sight.center = candidate.T_lidar_board.t;
+    sight.crossings = candidate.crossings;
+    sight.rms = candidate.rms;
+    sight.score = candidate.score;
+    gatherings.emplace_back(scan, candidate, board, sight);
+  }
+  // All candidates' from a few returns, and on: a scan is larger than a cache.
+  for (std::size_t first = 0; first < scan.size(); first += returns_at_once) {
+    const std::size_t end = std::min(first + returns_at_once, scan.size());
+    for (Gathering& gathering : gatherings) gathering.add(first, end);
+  }
+  return sights;
 }
 
 std::vector<LidarSight> find_sights(const Scan& scan, const Board& board) {
-  std::vector<LidarSight> sights;
-  for (const BoardCandidate& candidate : find_board_candidates(scan, board)) {
-    sights.push_back(sight_of(scan, board, candidate));
-  }
-  return sights;
+  return sights_of(scan, board, find_board_candidates(scan, board));
 }
 
 Result<LidarSight> picked_sight(const Scan& scan, const Board& board, const Pick& pick) {
   const Result<BoardCandidate> picked = fit_picked_patch(scan, board, pick.row, pick.column, pick.radius);
   if (!picked) return fail(picked.error());
-  return sight_of(scan, board, *picked);
+  return sights_of(scan, board, {&*picked, 1}).front();
 }
 
 }  // namespace ca2

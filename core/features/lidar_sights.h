@@ -1,6 +1,7 @@
 /// @file Pieces of a scan as the estimator takes them, for sessions and live scans alike.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/board/board.h"
@@ -10,8 +11,9 @@
 
 namespace ca2 {
 
-/// The candidate with the returns round it.
-LidarSight sight_of(const Scan& scan, const Board& board, const BoardCandidate& candidate);
+/// The candidates with the returns round them, in their order.
+std::vector<LidarSight> sights_of(const Scan& scan, const Board& board,
+                                  std::span<const BoardCandidate> candidates);
 
 /// What may be the board, best first.
 std::vector<LidarSight> find_sights(const Scan& scan, const Board& board);

@@ -82,8 +82,8 @@ int peak_lanes(const std::int16_t* at, int w, const cv::v_int16x8& threshold) {
   return cv::v_signmask(peaks);
 }
 
-/// The responses of a level, some rows at a time: all of them would be as large as the level, and be read from
-/// memory again.
+/// The responses of a level, some rows at a time: all of them would be as large as the level, and be read
+/// from memory again.
 class ResponseRows {
  public:
   explicit ResponseRows(const SaddleLevel& level)

@@ -97,7 +97,7 @@ TEST(CoveredReturns, AHandIsNoPartOfThePlate) {
       hand += truth.on_hand[i];
       plate += truth.on_plate[i];
     }
-    const LidarSight sight = sight_of(truth.scan, a3(), found);
+    const LidarSight sight = sights_of(truth.scan, a3(), {&found, 1}).front();
     for (const auto* list : {&sight.on_board, &sight.around}) {
       for (const BoardReturn& here : *list) {
         const auto at = std::find(truth.scan.points.begin(), truth.scan.points.end(), here.point);
