@@ -20,6 +20,7 @@ constexpr std::int64_t picture_spacing = 62'500'000;  // ns
 
 using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
 
+/// Mean over the corners of both.
 double distance(const Pixels& a, const Pixels& b) {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -54,6 +55,9 @@ class Spread {
 
 }  // namespace
 
+CameraTrack::CameraTrack(const Board& board)
+    : places_(board.type->corners(board)), half_turn_ambiguous_(board.type->half_turn_ambiguous(board)) {}
+
 void CameraTrack::add(const CameraObservation& observation) {
   ++frames_;
   rhythm_.add(observation.time);
@@ -61,14 +65,45 @@ void CameraTrack::add(const CameraObservation& observation) {
     ++shed_;
     return;
   }
-  if (!samples_.empty() && observation.time <= samples_.back().time) samples_.clear();  // the clock was set
+  if (!samples_.empty() && observation.time <= samples_.back().time) {  // the clock was set
+    samples_.clear();
+    pixels_.clear();
+  }
   // Counted by the clock, so that cameras that are triggered together keep the same ones.
   if (!samples_.empty() && samples_.back().time / picture_spacing == observation.time / picture_spacing)
     samples_.back().image.reset();
   samples_.push_back(observation);
+  Pixels pixels = by_id(observation.corners);
+  if (half_turn_ambiguous_) label_as_before(samples_.back().corners, pixels);
+  pixels_.push_back(std::move(pixels));
   // What shows no board is in no view: its pixels need not be kept.
   if (observation.corners.empty()) samples_.back().image.reset();
-  while (samples_.front().time < observation.time - history_) samples_.pop_front();
+  while (samples_.front().time < observation.time - history_) {
+    samples_.pop_front();
+    pixels_.pop_front();
+  }
+}
+
+Pixels CameraTrack::by_id(const std::vector<Corner>& corners) const {
+  Pixels pixels(places_.size());
+  for (const Corner& corner : corners) {
+    if (corner.id >= 0 && static_cast<std::size_t>(corner.id) < pixels.size())
+      pixels[static_cast<std::size_t>(corner.id)] = corner.pixel;
+  }
+  return pixels;
+}
+
+/// Of the two labellings that are half a turn apart the one that agrees with the last picture of the board.
+void CameraTrack::label_as_before(std::vector<Corner>& corners, Pixels& pixels) const {
+  for (std::size_t k = pixels_.size(); k-- > 0;) {
+    if (samples_[k].corners.empty()) continue;
+    Pixels turned(pixels.rbegin(), pixels.rend());
+    if (distance(turned, pixels_[k]) < distance(pixels, pixels_[k])) {
+      pixels = std::move(turned);
+      for (Corner& corner : corners) corner.id = static_cast<int>(places_.size()) - 1 - corner.id;
+    }
+    return;
+  }
 }
 
 bool CameraTrack::too_slow() const {
@@ -86,25 +121,12 @@ void CameraTrack::release_before(std::int64_t time) {
   }
 }
 
-Pixels CameraTrack::aligned(const std::vector<Corner>& corners, const Pixels& reference) const {
-  const std::size_t all = board_.type->corners(board_).size();
-  Pixels same(all);
-  for (const Corner& corner : corners) {
-    if (corner.id >= 0 && static_cast<std::size_t>(corner.id) < all)
-      same[static_cast<std::size_t>(corner.id)] = corner.pixel;
-  }
-  if (reference.empty() || !board_.type->half_turn_ambiguous(board_)) return same;
-  Pixels turned(same.rbegin(), same.rend());
-  return distance(turned, reference) < distance(same, reference) ? turned : same;
-}
-
 double CameraTrack::pixels_per_metre(const std::vector<Corner>& corners) const {
-  const std::vector<Eigen::Vector2d> places = board_.type->corners(board_);
   double pixels = 0, metres = 0;
   for (const Corner& a : corners) {
     const Corner& b = corners.front();
     pixels += (a.pixel - b.pixel).norm();
-    metres += (places[static_cast<std::size_t>(a.id)] - places[static_cast<std::size_t>(b.id)]).norm();
+    metres += (places_[static_cast<std::size_t>(a.id)] - places_[static_cast<std::size_t>(b.id)]).norm();
   }
   return metres > 0 ? pixels / metres : 0;
 }
@@ -113,40 +135,42 @@ std::optional<CameraStillness> CameraTrack::stillness(std::int64_t now, double b
                                                       double dwell) const {
   if (samples_.empty() || rhythm_.silent(now) || too_slow()) return std::nullopt;
   const std::int64_t gap = longest_gap();
-  auto at = samples_.rbegin();
-  while (at != samples_.rend() && at->corners.empty()) ++at;
-  if (at == samples_.rend() || samples_.back().time - at->time > gap) return std::nullopt;
+  std::size_t at = samples_.size() - 1;
+  while (at > 0 && samples_[at].corners.empty()) --at;
+  if (samples_[at].corners.empty() || samples_.back().time - samples_[at].time > gap) return std::nullopt;
   CameraStillness still;
-  still.newest = still.since = at->time;
-  still.limit = std::max(least_motion, board_motion * pixels_per_metre(at->corners));
-  const Pixels newest = aligned(at->corners, {});
-  Spread spread(newest);
+  still.newest = still.since = samples_[at].time;
+  still.limit = std::max(least_motion, board_motion * pixels_per_metre(samples_[at].corners));
+  Spread spread(pixels_[at]);
   const auto window = std::max(static_cast<std::int64_t>(1e9 * dwell), gap);
   bool is_still = true;
-  for (std::int64_t last = at->time; ++at != samples_.rend();) {
-    if (at->corners.empty()) continue;
-    if (last - at->time > gap) break;
-    last = at->time;
-    const double motion = spread.with(aligned(at->corners, newest));
-    if (still.newest - at->time <= window) still.motion = motion;
+  for (std::int64_t last = samples_[at].time; at-- > 0;) {
+    const CameraObservation& sample = samples_[at];
+    if (sample.corners.empty()) continue;
+    if (last - sample.time > gap) break;
+    last = sample.time;
+    const double motion = spread.with(pixels_[at]);
+    if (still.newest - sample.time <= window) still.motion = motion;
     is_still = is_still && motion <= still.limit;
-    if (is_still) still.since = at->time;
-    if (!is_still && still.newest - at->time > window) break;
+    if (is_still) still.since = sample.time;
+    if (!is_still && still.newest - sample.time > window) break;
   }
-  still.since = settled(still, newest);
+  still.since = settled(still);
   return still;
 }
 
 /// Hands come to rest slowly: the hold begins where the corners are within half the limit of where they are
 /// in its second half.
-std::int64_t CameraTrack::settled(const CameraStillness& still, const Pixels& newest) const {
-  const std::vector<const CameraObservation*> pictures = between(still.since, still.newest);
-  Pixels mean(newest.size());
-  std::vector<double> count(newest.size(), 0);
-  std::vector<Pixels> aligned_pictures;
-  for (const CameraObservation* picture : pictures) {
-    const Pixels& pixels = aligned_pictures.emplace_back(aligned(picture->corners, newest));
-    if (picture->time < still.newest - (still.newest - still.since) / 2) continue;
+std::int64_t CameraTrack::settled(const CameraStillness& still) const {
+  const auto of_hold = [&](const CameraObservation& sample) {
+    return !sample.corners.empty() && sample.time >= still.since && sample.time <= still.newest;
+  };
+  Pixels mean(places_.size());
+  std::vector<double> count(places_.size(), 0);
+  for (std::size_t k = samples_.size(); k-- > 0;) {
+    if (samples_[k].time < still.newest - (still.newest - still.since) / 2) break;
+    if (!of_hold(samples_[k])) continue;
+    const Pixels& pixels = pixels_[k];
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (!pixels[i]) continue;
       mean[i] = mean[i].value_or(Eigen::Vector2d::Zero()) + *pixels[i];
@@ -157,8 +181,8 @@ std::int64_t CameraTrack::settled(const CameraStillness& still, const Pixels& ne
     if (mean[i]) *mean[i] /= count[i];
   }
   const double limit = std::max(least_motion, still.limit / 2);
-  for (std::size_t k = 0; k < pictures.size(); ++k) {
-    if (distance(aligned_pictures[k], mean) <= limit) return pictures[k]->time;
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    if (of_hold(samples_[k]) && distance(pixels_[k], mean) <= limit) return samples_[k].time;
   }
   return still.newest;
 }
@@ -173,11 +197,10 @@ std::vector<const CameraObservation*> CameraTrack::between(std::int64_t first, s
 
 std::vector<Corner> CameraTrack::mean_corners(const std::vector<const CameraObservation*>& pictures) const {
   if (pictures.empty()) return {};
-  const Pixels newest = aligned(pictures.back()->corners, {});
-  std::vector<Eigen::Vector2d> sum(newest.size(), Eigen::Vector2d::Zero());
-  std::vector<std::size_t> count(newest.size(), 0);
+  std::vector<Eigen::Vector2d> sum(places_.size(), Eigen::Vector2d::Zero());
+  std::vector<std::size_t> count(places_.size(), 0);
   for (const CameraObservation* picture : pictures) {
-    const Pixels pixels = aligned(picture->corners, newest);
+    const Pixels pixels = by_id(picture->corners);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (pixels[i]) sum[i] += *pixels[i], ++count[i];
     }

@@ -21,7 +21,7 @@ struct CameraStillness {
 
 class CameraTrack {
  public:
-  explicit CameraTrack(const Board& board) : board_(board) {}
+  explicit CameraTrack(const Board& board);
 
   void add(const CameraObservation& observation);
   /// ns: what is older is forgotten.
@@ -54,17 +54,21 @@ class CameraTrack {
   std::uint64_t shed() const { return shed_; }
 
  private:
-  /// Pixels by corner id, in the labelling that agrees with `reference` (the same, or half a turn round).
-  std::vector<std::optional<Eigen::Vector2d>> aligned(
-      const std::vector<Corner>& corners, const std::vector<std::optional<Eigen::Vector2d>>& reference) const;
+  /// By corner id.
+  using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
+
+  Pixels by_id(const std::vector<Corner>& corners) const;
+  void label_as_before(std::vector<Corner>& corners, Pixels& pixels) const;
   std::int64_t longest_gap() const;
   double pixels_per_metre(const std::vector<Corner>& corners) const;
-  std::int64_t settled(const CameraStillness& still,
-                       const std::vector<std::optional<Eigen::Vector2d>>& newest) const;
+  std::int64_t settled(const CameraStillness& still) const;
 
-  const Board& board_;
+  std::vector<Eigen::Vector2d> places_;  ///< of the corners by id, m
+  bool half_turn_ambiguous_;
   std::int64_t history_ = 2'000'000'000;
-  std::deque<CameraObservation> samples_;  ///< searched pictures, oldest first
+  /// Searched pictures, oldest first; ids of an ambiguous board agree with those of the picture before.
+  std::deque<CameraObservation> samples_;
+  std::deque<Pixels> pixels_;  ///< of each sample
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0, let_go_ = 0;
 };

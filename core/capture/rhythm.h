@@ -16,16 +16,11 @@ class Rhythm {
     if (!times_.empty() && time < times_.back()) times_.clear();  // the clock was set back
     times_.push_back(time);
     while (times_.size() > fewest && times_.front() < time - window) times_.pop_front();
+    period_ = middle_gap();
   }
 
   /// Middle gap between arrivals, ns; nothing before the third. Lost frames do not change it.
-  std::optional<std::int64_t> period() const {
-    if (times_.size() < 3) return std::nullopt;
-    std::vector<std::int64_t> gaps;
-    for (std::size_t i = 1; i < times_.size(); ++i) gaps.push_back(times_[i] - times_[i - 1]);
-    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
-    return gaps[gaps.size() / 2];
-  }
+  std::optional<std::int64_t> period() const { return period_; }
 
   /// Per second.
   double rate() const {
@@ -40,9 +35,18 @@ class Rhythm {
   }
 
  private:
+  std::optional<std::int64_t> middle_gap() const {
+    if (times_.size() < 3) return std::nullopt;
+    std::vector<std::int64_t> gaps;
+    for (std::size_t i = 1; i < times_.size(); ++i) gaps.push_back(times_[i] - times_[i - 1]);
+    std::nth_element(gaps.begin(), gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2), gaps.end());
+    return gaps[gaps.size() / 2];
+  }
+
   static constexpr std::int64_t window = 2'000'000'000;
   static constexpr std::size_t fewest = 4;  // the middle of three gaps survives one lost frame
   std::deque<std::int64_t> times_;
+  std::optional<std::int64_t> period_;
 };
 
 }  // namespace ca2
