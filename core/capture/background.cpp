@@ -15,6 +15,7 @@ constexpr float row_step = 0.0175f;  // rad: a degree, too; beams farther apart 
 constexpr int rows = 180;            // over all elevations
 constexpr std::int64_t epoch_length = 30'000'000'000;  // ns
 constexpr std::int64_t first_look = 1'000'000'000;     // ns
+constexpr std::int64_t least_gap = 150'000'000;        // ns: more scans tell nothing more
 constexpr std::size_t points_at_once = 512;
 
 /// The cells of points' directions; `across`: m, their distances from the z axis.
@@ -52,6 +53,8 @@ void Background::add(const Scan& scan, std::int64_t time) {
     farthest_.assign(static_cast<std::size_t>(rows) * columns, 0.0f);
     previous_ = farthest_;
     empty_ = false;
+  } else if (time - newest_ < least_gap) {
+    return;
   }
   newest_ = time;
   if (time - epoch_ > epoch_length) {

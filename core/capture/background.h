@@ -11,6 +11,7 @@ namespace ca2 {
 
 /// The farthest range of every direction over the last 30 to 60 seconds: who holds a board stands in front
 /// of something. It needs no empty room to begin with: as soon as somebody moves on, what was behind counts.
+/// Of scans in quick succession it takes some.
 class Background {
  public:
   void add(const Scan& scan, std::int64_t time);

@@ -41,21 +41,30 @@ struct Cone {
   float square;   ///< of the angle's cosine
 };
 
-/// Which of the points are within. Is any?
-CA2_HOT_LOOP bool mark_within(const Cone& cone, std::size_t size, const float* __restrict points,
-                              std::uint8_t* __restrict within) {
-  float inside[returns_at_once];
-  const float x = cone.x, y = cone.y, z = cone.z, square = cone.square;
+/// Some of a scan's points, coordinate by coordinate.
+struct Points {
+  std::size_t size = 0;
+  float x[returns_at_once], y[returns_at_once], z[returns_at_once];
+  float square[returns_at_once];  ///< m^2, of the range
+};
+
+CA2_HOT_LOOP void split(std::size_t size, const float* __restrict from, Points& to) {
+  to.size = size;
   for (std::size_t i = 0; i < size; ++i) {
-    const float px = points[3 * i], py = points[3 * i + 1], pz = points[3 * i + 2];
-    const float along = px * x + (py * y + pz * z);
-    // Squares, as roots cannot be taken eight at a time. Not for NaN.
-    const bool is = (along > 0) & (along * along > square * (px * px + (py * py + pz * pz)));
-    inside[i] = is ? 1.0f : 0.0f;
+    const float x = from[3 * i], y = from[3 * i + 1], z = from[3 * i + 2];
+    to.x[i] = x, to.y[i] = y, to.z[i] = z;
+    to.square[i] = x * x + (y * y + z * z);
   }
-  std::uint8_t any = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    within[i] = inside[i] > 0 ? 1 : 0;
+}
+
+/// Which of the points are within (not 0; what is not finite never is). Is any?
+CA2_HOT_LOOP bool mark_within(const Cone& cone, const Points& points, std::int32_t* __restrict within) {
+  const float x = cone.x, y = cone.y, z = cone.z, square = cone.square;
+  std::int32_t any = 0;
+  for (std::size_t i = 0; i < points.size; ++i) {
+    const float along = points.x[i] * x + (points.y[i] * y + points.z[i] * z);
+    // Squares, as roots cannot be taken eight at a time.
+    within[i] = (along > 0) & (along * along > square * points.square[i]) ? 1 : 0;
     any |= within[i];
   }
   return any != 0;
@@ -81,10 +90,11 @@ class Gathering {
     on_board_.push_back(UINT32_MAX);
   }
 
-  /// At most returns_at_once of the scan's returns, those that follow what was added before.
-  void add(std::size_t first, std::size_t end) {
-    std::uint8_t within[returns_at_once];
-    const bool any = mark_within(cone_, end - first, scan_.points[first].data(), within);
+  /// The scan's returns from `first` on, those that follow what was added before.
+  void add(std::size_t first, const Points& points) {
+    std::int32_t within[returns_at_once];
+    const bool any = mark_within(cone_, points, within);
+    const std::size_t end = first + points.size;
     if (!any && on_board_[next_] >= end) return;
     for (std::size_t i = first; i < end; ++i) {
       const bool on = on_board_[next_] == i;
@@ -134,9 +144,10 @@ std::vector<LidarSight> sights_of(const Scan& scan, const Board& board,
     gatherings.emplace_back(scan, candidate, board, sight);
   }
   // All candidates' from a few returns, and on: a scan is larger than a cache.
-  for (std::size_t first = 0; first < scan.size(); first += returns_at_once) {
-    const std::size_t end = std::min(first + returns_at_once, scan.size());
-    for (Gathering& gathering : gatherings) gathering.add(first, end);
+  Points points;
+  for (std::size_t first = 0; first < scan.size() && !gatherings.empty(); first += returns_at_once) {
+    split(std::min(returns_at_once, scan.size() - first), scan.points[first].data(), points);
+    for (Gathering& gathering : gatherings) gathering.add(first, points);
   }
   return sights;
 }
