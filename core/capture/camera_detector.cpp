@@ -5,11 +5,16 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <utility>
 
 #include "core/board/track_board.h"
 
 namespace ca2 {
 namespace {
+
+constexpr std::int64_t soon =
+    1'000'000'000;                         // ns: for so long a board that was lost is looked for everywhere
+constexpr std::int64_t rest = 90'000'000;  // ns, between searches after that: every picture of 10 Hz
 
 Image crop(const Image& grey8, int x, int y, int width, int height) {
   Image part{width, height, 1, 8, {}};
@@ -58,21 +63,43 @@ std::vector<Corner> CameraDetector::search_region(const Image& grey8) const {
   return corners;
 }
 
-CameraObservation CameraDetector::detect(std::int64_t time, std::shared_ptr<const Image> image) {
-  const bool is_grey8 = image->channels == 1 && image->bits == 8;
-  const Image converted = is_grey8 ? Image() : to_grey8(*image);
-  const Image& grey8 = is_grey8 ? *image : converted;
+/// Searches of all of a picture take ten times as long as tracking: a rig that waits for a person with a
+/// board would take more of the computer than one in front of which the board is.
+bool CameraDetector::spares(std::int64_t time) const {
+  if (!away_since_ || !last_searched_) return false;
+  const std::int64_t gap = time - *last_searched_;  // negative: the clock was set back
+  return time - *away_since_ > soon && gap >= 0 && gap < rest;
+}
+
+std::vector<Corner> CameraDetector::find(const Image& image) {
+  const bool is_grey8 = image.channels == 1 && image.bits == 8;
+  const Image converted = is_grey8 ? Image() : to_grey8(image);
+  const Image& grey8 = is_grey8 ? image : converted;
   std::vector<Corner> corners;
   if (!last_.empty()) corners = track_board(board_, grey8, expected());
   if (corners.empty() && !last_.empty()) corners = search_region(grey8);
   if (corners.empty()) corners = board_.type->find(board_, grey8);
-  before_ = std::move(last_);
-  last_ = corners;
+  return corners;
+}
+
+CameraObservation CameraDetector::detect(std::int64_t time, std::shared_ptr<const Image> image) {
   CameraObservation observation;
   observation.camera = camera_;
   observation.time = time;
+  if (spares(time)) {
+    observation.searched = false;
+    observation.spared = true;
+    return observation;
+  }
+  before_ = std::exchange(last_, find(*image));
+  last_searched_ = time;
+  if (!last_.empty()) {
+    away_since_.reset();
+  } else if (!away_since_ || time < *away_since_) {
+    away_since_ = time;
+  }
   observation.image = std::move(image);
-  observation.corners = std::move(corners);
+  observation.corners = last_;
   return observation;
 }
 

@@ -62,7 +62,7 @@ void CameraTrack::add(const CameraObservation& observation) {
   ++frames_;
   rhythm_.add(observation.time);
   if (!observation.searched) {
-    ++shed_;
+    shed_ += observation.spared ? 0 : 1;
     return;
   }
   if (!samples_.empty() && observation.time <= samples_.back().time) {  // the clock was set

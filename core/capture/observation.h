@@ -18,7 +18,8 @@ struct CameraObservation {
   std::int64_t time = 0;               ///< ns UTC, host clock: the middle of the exposure
   std::shared_ptr<const Image> image;  ///< as the camera gave it
   std::vector<Corner> corners;         ///< empty: the board was not found
-  bool searched = true;                ///< false: shed, the detectors had no time for it
+  bool searched = true;                ///< false: shed, the detectors had no time for it; or spared
+  bool spared = false;                 ///< the board has been away: some pictures a second are enough
 };
 
 /// A LiDAR's scan, searched. `lidar` is an index in the rig's order (by name).
