@@ -35,17 +35,17 @@ class IntensityScale {
   float scale_ = 0;
 };
 
-/// Rays within an angle of an axis, less than a right one.
+/// Rays within an angle of an axis.
 struct Cone {
   float x, y, z;  ///< unit
-  float square;   ///< of the angle's cosine
+  float cosine;
 };
 
 /// Some of a scan's points, coordinate by coordinate.
 struct Points {
   std::size_t size = 0;
   float x[returns_at_once], y[returns_at_once], z[returns_at_once];
-  float square[returns_at_once];  ///< m^2, of the range
+  float range[returns_at_once];  ///< m
 };
 
 CA2_HOT_LOOP void split(std::size_t size, const float* __restrict from, Points& to) {
@@ -53,18 +53,18 @@ CA2_HOT_LOOP void split(std::size_t size, const float* __restrict from, Points& 
   for (std::size_t i = 0; i < size; ++i) {
     const float x = from[3 * i], y = from[3 * i + 1], z = from[3 * i + 2];
     to.x[i] = x, to.y[i] = y, to.z[i] = z;
-    to.square[i] = x * x + (y * y + z * z);
+    to.range[i] = x * x + (y * y + z * z);
   }
+  for (std::size_t i = 0; i < size; ++i) to.range[i] = std::sqrt(to.range[i]);
 }
 
 /// Which of the points are within (not 0; what is not finite never is). Is any?
 CA2_HOT_LOOP bool mark_within(const Cone& cone, const Points& points, std::int32_t* __restrict within) {
-  const float x = cone.x, y = cone.y, z = cone.z, square = cone.square;
+  const float x = cone.x, y = cone.y, z = cone.z, cosine = cone.cosine;
   std::int32_t any = 0;
   for (std::size_t i = 0; i < points.size; ++i) {
     const float along = points.x[i] * x + (points.y[i] * y + points.z[i] * z);
-    // Squares, as roots cannot be taken eight at a time.
-    within[i] = (along > 0) & (along * along > square * points.square[i]) ? 1 : 0;
+    within[i] = along > cosine * points.range[i] ? 1 : 0;
     any |= within[i];
   }
   return any != 0;
@@ -83,9 +83,9 @@ class Gathering {
         on_board_(candidate.returns) {
     const Outline extent = board.extent();
     const double radius = 1.25 * 0.5 * std::hypot(extent.width, extent.height);
-    const double square = sight.center.squaredNorm();
-    const Eigen::Vector3f axis = sight.center.normalized().cast<float>();
-    cone_ = {axis.x(), axis.y(), axis.z(), static_cast<float>(square / (square + radius * radius))};
+    const double distance = sight.center.norm();
+    const Eigen::Vector3f axis = (sight.center / distance).cast<float>();
+    cone_ = {axis.x(), axis.y(), axis.z(), static_cast<float>(std::cos(std::atan2(radius, distance)))};
     std::sort(on_board_.begin(), on_board_.end());
     on_board_.push_back(UINT32_MAX);
   }
