@@ -31,8 +31,9 @@ std::vector<Corner> completed(const Board& board, const Image& grey8, std::vecto
 }  // namespace
 
 std::vector<Corner> detect_board(const Board& board, const Image& image) {
-  const Image grey8 = to_grey8(image);
-  const GreyImage grey = to_grey(image);
+  Image converted;
+  const Image& grey8 = as_grey8(image, converted);
+  const GreyView grey(image);
   const bool has_markers = !board.type->repeats(board);
   std::vector<Corner> found = board.type->find(board, grey8);
   if (!found.empty() && has_markers) found = completed(board, grey8, found);

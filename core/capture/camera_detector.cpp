@@ -72,9 +72,8 @@ bool CameraDetector::spares(std::int64_t time) const {
 }
 
 std::vector<Corner> CameraDetector::find(const Image& image) {
-  const bool is_grey8 = image.channels == 1 && image.bits == 8;
-  const Image converted = is_grey8 ? Image() : to_grey8(image);
-  const Image& grey8 = is_grey8 ? image : converted;
+  Image converted;
+  const Image& grey8 = as_grey8(image, converted);
   std::vector<Corner> corners;
   if (!last_.empty()) corners = track_board(board_, grey8, expected());
   if (corners.empty() && !last_.empty()) corners = search_region(grey8);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace ca2 {
@@ -18,20 +19,35 @@ struct Image {
   std::size_t bytes_per_pixel() const { return static_cast<std::size_t>(channels * bits / 8); }
 };
 
-/// A grey picture in floating point, 0 (black) to 255 (white) whatever the source's depth: what corner
-/// refinement works on, so that 16-bit pictures lose nothing.
-struct GreyImage {
-  int width = 0;
-  int height = 0;
-  std::vector<float> pixels;
+/// The pixels of a picture in grey, 0 (black) to 255 (white) whatever its depth, with ITU-R BT.601 weights
+/// for colour: what corner refinement works on, so that 16-bit pictures lose nothing. Refers to the picture.
+class GreyView {
+ public:
+  explicit GreyView(const Image& image);
 
-  float at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  int width() const { return image_.width; }
+  int height() const { return image_.height; }
+  float at(int x, int y) const {
+    const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + x;
+    if (image_.channels == 1) return sample(i);
+    return 0.299f * sample(3 * i) + 0.587f * sample(3 * i + 1) + 0.114f * sample(3 * i + 2);
+  }
+
+ private:
+  float sample(std::size_t i) const {
+    if (image_.bits == 8) return static_cast<float>(image_.bytes[i]);
+    std::uint16_t value = 0;
+    std::memcpy(&value, image_.bytes.data() + 2 * i, 2);
+    return static_cast<float>(value) / units_;
+  }
+
+  const Image& image_;
+  float units_;  ///< per grey level
 };
 
-/// Luminance (ITU-R BT.601 weights for colour) of an image; an empty image gives an empty one.
-GreyImage to_grey(const Image& image);
-
-/// The same at 8 bits, rounded: what detectors search.
+/// The same at 8 bits, rounded: what detectors search. An empty image gives an empty one.
 Image to_grey8(const Image& image);
+/// The picture itself where it is so already; otherwise `converted`, which is made to be it.
+const Image& as_grey8(const Image& image, Image& converted);
 
 }  // namespace ca2

@@ -2,7 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "core/board/refine/edge_profile.h"
 #include "core/board/refine/neighbourhood.h"
@@ -35,17 +37,17 @@ class PrintMask {
         black[j][i] = board.type->black(board, corner + near * pitch);
       }
     }
-    bool all = true;
     for (int j = 0; j < cells; ++j) {
+      std::uint16_t in_row = 0;
       for (int i = 0; i < cells; ++i) {
         const Eigen::Vector2d at((i + 0.5) / cells - 0.5, (j + 0.5) / cells - 0.5);
         const bool plain =
             board.type->black(board, corner + at * pitch) == black[2 * j / cells][2 * i / cells];
-        plain_[static_cast<std::size_t>(j * cells + i)] = plain;
-        all = all && plain;
+        in_row = static_cast<std::uint16_t>(in_row + (plain ? 0 : 1));
+        other(j + 1, i + 1) = static_cast<std::uint16_t>(other(j, i + 1) + in_row);
       }
     }
-    all_ = all;
+    all_ = other(cells, cells) == 0;
   }
 
   /// `margin` in units of the pitch along each axis.
@@ -54,21 +56,26 @@ class PrintMask {
     const auto cell = [](double u) {
       return std::clamp(static_cast<int>(std::floor((u + 0.5) * cells)), 0, cells - 1);
     };
-    for (int j = cell(at.y() - margin.y()); j <= cell(at.y() + margin.y()); ++j) {
-      for (int i = cell(at.x() - margin.x()); i <= cell(at.x() + margin.x()); ++i) {
-        if (!plain_[static_cast<std::size_t>(j * cells + i)]) return false;
-      }
-    }
-    return true;
+    const int top = cell(at.y() - margin.y()), bottom = cell(at.y() + margin.y()) + 1;
+    const int left = cell(at.x() - margin.x()), right = cell(at.x() + margin.x()) + 1;
+    return other(bottom, right) - other(top, right) == other(bottom, left) - other(top, left);
   }
 
  private:
-  std::array<bool, static_cast<std::size_t>(cells* cells)> plain_;
+  /// How many of the cells above and to the left are not plain.
+  std::uint16_t& other(int row, int column) {
+    return sums_[static_cast<std::size_t>(row * (cells + 1) + column)];
+  }
+  std::uint16_t other(int row, int column) const {
+    return sums_[static_cast<std::size_t>(row * (cells + 1) + column)];
+  }
+
+  std::array<std::uint16_t, static_cast<std::size_t>((cells + 1) * (cells + 1))> sums_{};
   bool all_ = true;
 };
 
 /// The pixels of a corner's patch. Edges are followed for `edge_reach` px.
-CornerPatch cut_patch(const GreyImage& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice,
+CornerPatch cut_patch(const GreyView& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice,
                       const PrintMask& mask, double sigma, double edge_reach) {
   Eigen::Matrix2d pixel_by_board;
   pixel_by_board << lattice.along[0], lattice.along[1];
@@ -84,9 +91,9 @@ CornerPatch cut_patch(const GreyImage& image, const Eigen::Vector2d& centre, con
                                0.7 * (sigma + 0.5) * board_by_pixel.row(1).norm());
   const Eigen::Vector2d half = part[0] * lattice.along[0].cwiseAbs() + part[1] * lattice.along[1].cwiseAbs();
   const int x0 = std::max(0, static_cast<int>(std::ceil(centre.x() - half.x())));
-  const int x1 = std::min(image.width - 1, static_cast<int>(std::floor(centre.x() + half.x())));
+  const int x1 = std::min(image.width() - 1, static_cast<int>(std::floor(centre.x() + half.x())));
   const int y0 = std::max(0, static_cast<int>(std::ceil(centre.y() - half.y())));
-  const int y1 = std::min(image.height - 1, static_cast<int>(std::floor(centre.y() + half.y())));
+  const int y1 = std::min(image.height() - 1, static_cast<int>(std::floor(centre.y() + half.y())));
   CornerPatch patch{centre, {}, {}};
   patch.edge.reserve(512);
   // Of the flat pixels of a large patch one in `thin` each way: 24 x 24 are enough.
@@ -110,7 +117,7 @@ CornerPatch cut_patch(const GreyImage& image, const Eigen::Vector2d& centre, con
 }
 
 /// Blur of the picture near a corner from the steepest descent towards a neighbouring field, px: a start.
-double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice) {
+double guess_sigma(const GreyView& image, const Eigen::Vector2d& centre, const Neighbourhood& lattice) {
   // Across the middle of an edge the profile is the plain blurred step: its extent over its steepest slope.
   const Eigen::Vector2d middle = centre + 0.3 * lattice.along[0];
   const Eigen::Vector2d step = 0.35 * lattice.along[1];
@@ -120,7 +127,7 @@ double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const 
     const Eigen::Vector2d p = middle + (2.0 * k / samples - 1) * step;
     const int x = static_cast<int>(std::floor(p.x()));
     const int y = static_cast<int>(std::floor(p.y()));
-    if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return 1;
+    if (x < 0 || y < 0 || x + 1 >= image.width() || y + 1 >= image.height()) return 1;
     const double a = p.x() - x, b = p.y() - y;
     const double grey = (1 - b) * ((1 - a) * image.at(x, y) + a * image.at(x + 1, y)) +
                         b * ((1 - a) * image.at(x, y + 1) + a * image.at(x + 1, y + 1));
@@ -134,8 +141,9 @@ double guess_sigma(const GreyImage& image, const Eigen::Vector2d& centre, const 
 }
 
 /// Beyond the rim a crossing is only guessed from what its edges do before it.
-bool in_picture(const GreyImage& image, const Eigen::Vector2d& pixel) {
-  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= image.width - 1 && pixel.y() <= image.height - 1;
+bool in_picture(const GreyView& image, const Eigen::Vector2d& pixel) {
+  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= image.width() - 1 &&
+         pixel.y() <= image.height() - 1;
 }
 
 /// A patch that hardly shows the crossing gives sums whose inverse is none: not even positive, with rounding.
@@ -216,10 +224,16 @@ std::vector<SaddlePrior> pooled(const std::vector<Refined>& refined) {
 
 class Refiner {
  public:
-  Refiner(const Board& board, const GreyImage& image)
-      : board_(board), image_(image), points_(board.type->corners(board)), pitch_(corner_pitch(points_)) {}
+  Refiner(const Board& board, const GreyView& image, std::span<const Corner> corners)
+      : image_(image), points_(board.type->corners(board)), masks_(points_.size()) {
+    const double pitch = corner_pitch(points_);
+    for (const Corner& corner : corners) {
+      const auto id = static_cast<std::size_t>(corner.id);
+      masks_[id].emplace(board, points_[id], pitch);
+    }
+  }
 
-  /// `before` and `priors`: of the pass before, or empty.
+  /// `corners`: none but those it was made for. `before` and `priors`: of the pass before, or empty.
   std::vector<Refined> pass(std::span<const Corner> corners, const std::vector<Refined>& before,
                             const std::vector<SaddlePrior>& priors) const {
     std::vector<Refined> refined;
@@ -253,7 +267,7 @@ class Refiner {
       start.curvature[i] = lattice.curvature[i];
       sigma = std::max(sigma, std::exp(start.log_sigma[i]));
     }
-    const PrintMask mask(board_, points_[static_cast<std::size_t>(corner.id)], pitch_);
+    const PrintMask& mask = *masks_[static_cast<std::size_t>(corner.id)];
     if (before != nullptr) {
       start.sharp = is_sharp(start);
       return fit_saddle(cut_patch(image_, corner.pixel, lattice, mask, sigma, 2 * most_reach), start, prior);
@@ -269,17 +283,16 @@ class Refiner {
     return fit_saddle(patch, start, prior, rough_tolerance);
   }
 
-  const Board& board_;
-  const GreyImage& image_;
+  const GreyView& image_;
   std::vector<Eigen::Vector2d> points_;
-  double pitch_;
+  std::vector<std::optional<PrintMask>> masks_;  ///< by corner id
 };
 
 }  // namespace
 
-std::vector<Corner> refine_corners(const Board& board, const GreyImage& image,
+std::vector<Corner> refine_corners(const Board& board, const GreyView& image,
                                    std::span<const Corner> corners) {
-  const Refiner refiner(board, image);
+  const Refiner refiner(board, image, corners);
   // The second pass centres the patches, and knows the lines' bend and the light from the first one's
   // corners.
   const std::vector<Refined> first = refiner.pass(corners, {}, {});

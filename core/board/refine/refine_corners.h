@@ -12,7 +12,7 @@ namespace ca2 {
 /// neighbours and leaves out what the board prints beside the corner (markers). Covariances follow from the
 /// fit's information and the residuals of all patches, with a floor for what the model cannot know. Corners
 /// whose patch does not look like one (covered, at the picture's rim, without neighbours) are left out.
-std::vector<Corner> refine_corners(const Board& board, const GreyImage& image,
+std::vector<Corner> refine_corners(const Board& board, const GreyView& image,
                                    std::span<const Corner> corners);
 
 }  // namespace ca2

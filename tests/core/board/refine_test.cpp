@@ -246,7 +246,7 @@ TEST(RefineCorners, LeavesOutWhatIsCovered) {
     }
   }
   int others = 0;
-  for (const Corner& corner : refine_corners(board, to_grey(image), found)) {
+  for (const Corner& corner : refine_corners(board, GreyView(image), found)) {
     EXPECT_NE(corner.id, 0);
     EXPECT_LT((corner.pixel - *truth[static_cast<std::size_t>(corner.id)]).norm(), 0.05) << corner.id;
     ++others;
