@@ -62,8 +62,9 @@ CommandBody setup_bench(CLI::App& app) {
       ->check(CLI::Range(1, 100000));
   app.add_flag("--full", options->bench.full,
                "accuracy, stereo: 100 trials; accuracy: every number of views");
-  app.add_option("--only", options->bench.only,
-                 "accuracy, stereo, solve, decode, detect, guidance: only what has this text in its name");
+  app.add_option(
+      "--only", options->bench.only,
+      "accuracy, stereo, solve, decode, detect, track, guidance: only what has this text in its name");
   app.add_option("--plot", options->bench.plot, "accuracy: write the errors as an SVG plot to this file");
   app.add_flag("--json", options->bench.json, "Print the table as JSON");
   return [options]() -> Result<int> {

@@ -22,17 +22,18 @@ struct Tally {
   double worst_apart = 0;  ///< px between a tracked corner and the search's
 };
 
-/// Half-turned ids are the same board.
-double apart(const std::vector<Corner>& tracked, const std::vector<Corner>& found) {
+/// Of the corners that both have. Half-turned ids of an ambiguous board are the same board.
+double apart(const Board& board, const std::vector<Corner>& tracked, const std::vector<Corner>& found) {
   std::map<int, Eigen::Vector2d> pixel;
   for (const Corner& corner : found) pixel[corner.id] = corner.pixel;
-  const int last = static_cast<int>(found.size()) - 1;
+  const int last = static_cast<int>(board.type->corners(board).size()) - 1;
   double straight = 0, turned = 0;
   for (const Corner& corner : tracked) {
-    straight = std::max(straight, (corner.pixel - pixel[corner.id]).norm());
-    turned = std::max(turned, (corner.pixel - pixel[last - corner.id]).norm());
+    const auto same = pixel.find(corner.id), other = pixel.find(last - corner.id);
+    if (same != pixel.end()) straight = std::max(straight, (corner.pixel - same->second).norm());
+    if (other != pixel.end()) turned = std::max(turned, (corner.pixel - other->second).norm());
   }
-  return std::min(straight, turned);
+  return board.type->half_turn_ambiguous(board) ? std::min(straight, turned) : straight;
 }
 
 /// A person who carries the board: up to 6 mm and 1 degree from one frame to the next.
@@ -61,7 +62,7 @@ void follow(const BenchCamera& bench, const Board& board, int repeats, std::mt19
     tally.tracked += tracked.empty() ? 0 : 1;
     tally.found += found.empty() ? 0 : 1;
     if (!tracked.empty() && !found.empty()) {
-      tally.worst_apart = std::max(tally.worst_apart, apart(tracked, found));
+      tally.worst_apart = std::max(tally.worst_apart, apart(board, tracked, found));
     }
     corners = tracked.empty() ? found : tracked;
   }
@@ -70,27 +71,34 @@ void follow(const BenchCamera& bench, const Board& board, int repeats, std::mt19
 }  // namespace
 
 Result<int> bench_track(const BenchOptions& options) {
+  std::vector<std::pair<Board, BenchCamera>> pairs;
+  for (const Board& board : bench_boards()) {
+    if (board.type->name().find(options.only) == std::string_view::npos) continue;
+    for (const BenchCamera& bench : bench_cameras()) pairs.emplace_back(board, bench);
+  }
   std::mt19937_64 random(2025);
   nlohmann::json rows = nlohmann::json::array();
   if (!options.json) {
     std::printf(
         "CPU ms per picture of a moving board, median / worst, one thread.\n\n"
-        "%-14s %8s | %15s | %15s | %6s | %7s %5s | %9s\n",
-        "camera", "pictures", "track", "find", "ratio", "tracked", "found", "apart, px");
+        "%-12s %-12s %8s | %15s | %15s | %6s | %7s %5s | %9s\n",
+        "board", "camera", "pictures", "track", "find", "ratio", "tracked", "found", "apart, px");
   }
-  for (const BenchCamera& bench : bench_cameras()) {
+  for (const auto& [board, bench] : pairs) {
+    const std::string type(board.type->name());
     Tally tally;
-    for (int i = 0; i < sequences; ++i) follow(bench, bench_board(), options.repeats, random, tally);
+    for (int i = 0; i < sequences; ++i) follow(bench, board, options.repeats, random, tally);
     const double track = median(tally.track_ms), find = median(tally.find_ms);
     const double track_worst = *std::max_element(tally.track_ms.begin(), tally.track_ms.end());
     const double find_worst = *std::max_element(tally.find_ms.begin(), tally.find_ms.end());
     if (!options.json) {
-      std::printf("%-14s %8d | %6.2f / %6.2f | %6.2f / %6.2f | %6.3f | %7d %5d | %9.3f\n", bench.name,
-                  tally.pictures, track, track_worst, find, find_worst, track / find, tally.tracked,
-                  tally.found, tally.worst_apart);
+      std::printf("%-12s %-12s %8d | %6.2f / %6.2f | %6.2f / %6.2f | %6.3f | %7d %5d | %9.3f\n", type.c_str(),
+                  bench.name, tally.pictures, track, track_worst, find, find_worst, track / find,
+                  tally.tracked, tally.found, tally.worst_apart);
       std::fflush(stdout);
     }
-    rows.push_back({{"camera", bench.name},
+    rows.push_back({{"board", type},
+                    {"camera", bench.name},
                     {"pictures", tally.pictures},
                     {"track_ms", {track, track_worst}},
                     {"find_ms", {find, find_worst}},
