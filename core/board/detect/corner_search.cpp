@@ -15,7 +15,11 @@ constexpr double least_spacing = 8;  // px of a level: on a coarser one, what co
 }  // namespace
 
 CornerSearch::CornerSearch(const Board& board, const Image& grey8)
-    : board_(board), grey8_(grey8), points_(board.type->corners(board)), pitch_(corner_pitch(points_)) {}
+    : board_(board),
+      grey8_(grey8),
+      points_(board.type->corners(board)),
+      pitch_(corner_pitch(points_)),
+      rings_(board.type->repeats(board) ? Rings::usual : Rings::small) {}
 
 std::vector<Corner> CornerSearch::find(std::span<const Corner> expected, double reach) const {
   return find_from(expected, 0, reach);
@@ -49,7 +53,7 @@ std::optional<Eigen::Vector2d> CornerSearch::corner_near(const Corner& expected,
     if (level > 0 && spacing < least_spacing * (1 << level)) break;
     const std::vector<SaddleLevel> window{
         saddle_window(grey8_, level, expected.pixel, static_cast<int>(std::ceil(reach)))};
-    for (const Saddle& saddle : strongest_saddles(window)) {
+    for (const Saddle& saddle : strongest_saddles(window, rings_)) {
       const double off = (saddle.pixel - expected.pixel).norm() / (1 << level);
       if (off <= reach && right_sense(expected.id, lattice, saddle.e0 + saddle.e1)) return saddle.pixel;
     }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/board/board.h"
+#include "core/board/detect/saddle_pyramid.h"
 #include "core/board/refine/neighbourhood.h"
 
 namespace ca2 {
@@ -36,6 +37,7 @@ class CornerSearch {
   const Image& grey8_;
   std::vector<Eigen::Vector2d> points_;
   double pitch_;
+  Rings rings_;  ///< where there are markers they leave little room round the corners
 };
 
 }  // namespace ca2
