@@ -12,9 +12,10 @@
 namespace ca2 {
 namespace {
 
-constexpr std::int64_t soon =
-    1'000'000'000;                         // ns: for so long a board that was lost is looked for everywhere
-constexpr std::int64_t rest = 90'000'000;  // ns, between searches after that: every picture of 10 Hz
+// A board that was lost is looked for in every picture for so long, ns..
+constexpr std::int64_t soon = 1'000'000'000;
+// ..and after that not so soon after the last search, ns: in every picture of a camera of 10 Hz.
+constexpr std::int64_t rest = 90'000'000;
 
 Image crop(const Image& grey8, int x, int y, int width, int height) {
   Image part{width, height, 1, 8, {}};

@@ -18,10 +18,8 @@ constexpr double least_motion = 0.5;  // px
 // So many pictures per second make the mean as good as it gets; a fast camera's others only fill the memory.
 constexpr std::int64_t picture_spacing = 62'500'000;  // ns
 
-using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
-
 /// Mean over the corners of both.
-double distance(const Pixels& a, const Pixels& b) {
+double distance(const CornerPixels& a, const CornerPixels& b) {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i] && b[i]) sum += (*a[i] - *b[i]).norm(), ++count;
@@ -33,9 +31,9 @@ double distance(const Pixels& a, const Pixels& b) {
 /// the upper quartile, so that a corner or two that were misplaced do not count.
 class Spread {
  public:
-  explicit Spread(const Pixels& first) : low_(first), high_(first) {}
+  explicit Spread(const CornerPixels& first) : low_(first), high_(first) {}
 
-  double with(const Pixels& pixels) {
+  double with(const CornerPixels& pixels) {
     std::vector<double> sides;
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (!pixels[i]) continue;
@@ -50,7 +48,7 @@ class Spread {
   }
 
  private:
-  Pixels low_, high_;
+  CornerPixels low_, high_;
 };
 
 }  // namespace
@@ -73,7 +71,7 @@ void CameraTrack::add(const CameraObservation& observation) {
   if (!samples_.empty() && samples_.back().time / picture_spacing == observation.time / picture_spacing)
     samples_.back().image.reset();
   samples_.push_back(observation);
-  Pixels pixels = by_id(observation.corners);
+  CornerPixels pixels = by_id(observation.corners);
   if (half_turn_ambiguous_) label_as_before(samples_.back().corners, pixels);
   pixels_.push_back(std::move(pixels));
   // What shows no board is in no view: its pixels need not be kept.
@@ -84,8 +82,8 @@ void CameraTrack::add(const CameraObservation& observation) {
   }
 }
 
-Pixels CameraTrack::by_id(const std::vector<Corner>& corners) const {
-  Pixels pixels(places_.size());
+CornerPixels CameraTrack::by_id(const std::vector<Corner>& corners) const {
+  CornerPixels pixels(places_.size());
   for (const Corner& corner : corners) {
     if (corner.id >= 0 && static_cast<std::size_t>(corner.id) < pixels.size())
       pixels[static_cast<std::size_t>(corner.id)] = corner.pixel;
@@ -94,10 +92,10 @@ Pixels CameraTrack::by_id(const std::vector<Corner>& corners) const {
 }
 
 /// Of the two labellings that are half a turn apart the one that agrees with the last picture of the board.
-void CameraTrack::label_as_before(std::vector<Corner>& corners, Pixels& pixels) const {
+void CameraTrack::label_as_before(std::vector<Corner>& corners, CornerPixels& pixels) const {
   for (std::size_t k = pixels_.size(); k-- > 0;) {
     if (samples_[k].corners.empty()) continue;
-    Pixels turned(pixels.rbegin(), pixels.rend());
+    CornerPixels turned(pixels.rbegin(), pixels.rend());
     if (distance(turned, pixels_[k]) < distance(pixels, pixels_[k])) {
       pixels = std::move(turned);
       for (Corner& corner : corners) corner.id = static_cast<int>(places_.size()) - 1 - corner.id;
@@ -165,12 +163,12 @@ std::int64_t CameraTrack::settled(const CameraStillness& still) const {
   const auto of_hold = [&](const CameraObservation& sample) {
     return !sample.corners.empty() && sample.time >= still.since && sample.time <= still.newest;
   };
-  Pixels mean(places_.size());
+  CornerPixels mean(places_.size());
   std::vector<double> count(places_.size(), 0);
   for (std::size_t k = samples_.size(); k-- > 0;) {
     if (samples_[k].time < still.newest - (still.newest - still.since) / 2) break;
     if (!of_hold(samples_[k])) continue;
-    const Pixels& pixels = pixels_[k];
+    const CornerPixels& pixels = pixels_[k];
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (!pixels[i]) continue;
       mean[i] = mean[i].value_or(Eigen::Vector2d::Zero()) + *pixels[i];
@@ -200,7 +198,7 @@ std::vector<Corner> CameraTrack::mean_corners(const std::vector<const CameraObse
   std::vector<Eigen::Vector2d> sum(places_.size(), Eigen::Vector2d::Zero());
   std::vector<std::size_t> count(places_.size(), 0);
   for (const CameraObservation* picture : pictures) {
-    const Pixels pixels = by_id(picture->corners);
+    const CornerPixels pixels = by_id(picture->corners);
     for (std::size_t i = 0; i < pixels.size(); ++i) {
       if (pixels[i]) sum[i] += *pixels[i], ++count[i];
     }

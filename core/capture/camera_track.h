@@ -19,6 +19,9 @@ struct CameraStillness {
   double limit = 0;         ///< px
 };
 
+/// By corner id; nothing: not seen.
+using CornerPixels = std::vector<std::optional<Eigen::Vector2d>>;
+
 class CameraTrack {
  public:
   explicit CameraTrack(const Board& board);
@@ -54,11 +57,8 @@ class CameraTrack {
   std::uint64_t shed() const { return shed_; }
 
  private:
-  /// By corner id.
-  using Pixels = std::vector<std::optional<Eigen::Vector2d>>;
-
-  Pixels by_id(const std::vector<Corner>& corners) const;
-  void label_as_before(std::vector<Corner>& corners, Pixels& pixels) const;
+  CornerPixels by_id(const std::vector<Corner>& corners) const;
+  void label_as_before(std::vector<Corner>& corners, CornerPixels& pixels) const;
   std::int64_t longest_gap() const;
   double pixels_per_metre(const std::vector<Corner>& corners) const;
   std::int64_t settled(const CameraStillness& still) const;
@@ -68,7 +68,7 @@ class CameraTrack {
   std::int64_t history_ = 2'000'000'000;
   /// Searched pictures, oldest first; ids of an ambiguous board agree with those of the picture before.
   std::deque<CameraObservation> samples_;
-  std::deque<Pixels> pixels_;  ///< of each sample
+  std::deque<CornerPixels> pixels_;  ///< of each sample
   Rhythm rhythm_;
   std::uint64_t frames_ = 0, shed_ = 0, let_go_ = 0;
 };

@@ -98,7 +98,7 @@ class Gathering {
     if (!any && on_board_[next_] >= end) return;
     for (std::size_t i = first; i < end; ++i) {
       const bool on = on_board_[next_] == i;
-      if (on) ++next_;
+      while (on_board_[next_] == i) ++next_;
       if (on || (within[i - first] != 0 && !covered(i)))
         (on ? sight_.on_board : sight_.around).push_back(of(i));
     }

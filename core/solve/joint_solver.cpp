@@ -278,11 +278,11 @@ class Solver {
   void add_edges() {
     if (!rims_.any(active_)) return;
     JointAnswer without = answer_;
-    const std::vector<double> slacks = rims_.slacks(problem_->lidar_place_sigma());
-    for (const double slack : slacks) {
+    const double place_sigma = problem_->lidar_place_sigma();
+    for (const std::vector<double> slacks = rims_.slacks(place_sigma); const double slack : slacks) {
       const bool near = slack < usual_rim_slack;
       // Where planes are sure, rims that lie off are not taken for a LiDAR that does.
-      if (near || slacks.size() == 2) input_.rim_freedom = rim_freedom;
+      if (near || place_sigma < sure_place_sigma) input_.rim_freedom = rim_freedom;
       look_at_rims(slack);
       if (slack == slacks.front())
         without.outline_offset = answer_.outline_offset = rims_.center_offsets(state_, active_);

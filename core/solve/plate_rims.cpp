@@ -16,8 +16,6 @@ bool either_way(const Board& board) {
 
 /// Chi-squared by which rims must prefer one way.
 constexpr double convincing_gain = 20;
-/// What rims are looked for within at last, m.
-constexpr double final_slack = 0.01;
 
 /// What is plate either way: the pattern at least.
 Outline common_part(Outline plate) {
@@ -51,8 +49,8 @@ bool PlateRims::any(std::span<const std::size_t> used) const {
 std::vector<double> PlateRims::slacks(double place_sigma) const {
   const Outline plate = board_.extent();
   const double reach = std::min(3 * place_sigma, 0.5 * std::min(plate.width, plate.height));
-  std::vector<double> list{usual_rim_slack, 0.025, final_slack};
-  if (reach < 0.5 * final_slack) list.erase(list.begin() + 1);
+  std::vector<double> list{usual_rim_slack, 0.025, final_rim_slack};
+  if (place_sigma < sure_place_sigma) list.erase(list.begin() + 1);
   while (list.front() < reach) list.insert(list.begin(), 2 * list.front());
   return list;
 }

@@ -18,6 +18,11 @@ namespace ca2 {
 
 /// m: rims of LiDARs that planes placed well are within this. Nearer ones tell how they err.
 inline constexpr double usual_rim_slack = 0.06;
+/// m: what they are looked for within at last.
+inline constexpr double final_rim_slack = 0.01;
+/// Where planes leave the LiDARs' places open to no more than this, m, there is nothing to approach step by
+/// step.
+inline constexpr double sure_place_sigma = final_rim_slack / 6;
 
 class PlateRims {
  public:
@@ -28,8 +33,7 @@ class PlateRims {
 
   bool any(std::span<const std::size_t> used) const;
   /// What to look within, solve after solve, where planes left the LiDARs' places open to `place_sigma` [m]:
-  /// at first as far as that may have put them off, up to half the plate. Two where planes are so
-  /// sure of them that nothing is to be approached step by step.
+  /// at first as far as that may have put them off, up to half the plate.
   std::vector<double> slacks(double place_sigma) const;
   /// How far a rim may lie from where it is predicted, m; 0, as at first: rims are not used.
   void look_within(double slack) { slack_ = slack; }

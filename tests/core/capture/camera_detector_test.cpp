@@ -3,19 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/board_scenes.h"
+
 namespace ca2 {
 namespace {
 
 constexpr std::int64_t start = 1'700'000'000'000'000'000, second = 1'000'000'000;  // ns
-
-Board a_board() {
-  Board board;
-  board.type = find_board_type("checkerboard");
-  board.columns = 4;
-  board.rows = 3;
-  board.square = 0.04;
-  return board;
-}
 
 /// Squares of 20 px; `at`: the first one's left.
 std::shared_ptr<const Image> picture(const Board& board, int at) {
@@ -31,7 +24,7 @@ std::shared_ptr<const Image> picture(const Board& board, int at) {
 }
 
 TEST(CameraDetector, SparesPicturesWhileTheBoardIsAwayAndNoneWhileItIsThere) {
-  const Board board = a_board();
+  const Board board = test::make_board("checkerboard", 4, 3);
   const auto empty =
       std::make_shared<const Image>(Image{240, 160, 1, 8, std::vector<std::uint8_t>(240 * 160)});
   CameraDetector detector(board, 0);
@@ -64,7 +57,7 @@ TEST(CameraDetector, SparesPicturesWhileTheBoardIsAwayAndNoneWhileItIsThere) {
 }
 
 TEST(CameraDetector, SparesNothingOfASlowCamera) {
-  const Board board = a_board();
+  const Board board = test::make_board("checkerboard", 4, 3);
   const auto empty =
       std::make_shared<const Image>(Image{240, 160, 1, 8, std::vector<std::uint8_t>(240 * 160)});
   CameraDetector detector(board, 0);
