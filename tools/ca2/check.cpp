@@ -10,6 +10,7 @@
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
 #include "core/session/session.h"
+#include "drivers/recording/recording_reader.h"
 #include "tools/ca2/command.h"
 #include "tools/sim/scenario_file.h"
 #include "tools/sim/truth_file.h"
@@ -113,6 +114,22 @@ Finding check_session(const fs::path& directory) {
   return finding;
 }
 
+/// What replaying would read, from its first pictures and packets on.
+Finding check_recording(const fs::path& directory) {
+  Finding finding{"recording", {}, {}, ErrorCode::data, {}};
+  const Result<Recording> recording = open_recording(directory);
+  take(finding, recording, [](const Recording& found) { return rig_text(found.rig); });
+  if (!recording) return finding;
+  const Result<RecordingReader> reader = RecordingReader::open(*recording);
+  if (!reader) {
+    finding.add(reader.error());
+    return finding;
+  }
+  finding.summary = std::to_string(reader->pictures()) + " pictures; " + finding.summary;
+  finding.warnings = reader->warnings();
+  return finding;
+}
+
 std::string calibration_text(const Calibration& calibration) {
   return std::to_string(calibration.transforms.size()) + " transforms by " + calibration.method + ", " +
          std::to_string(calibration.views.size()) + " views";
@@ -124,9 +141,6 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
   // Calibrations of others (OpenCV's begin with a line that is no YAML) are told apart by their own reader.
   const Result<YamlNode> root = parse_yaml(text, file.string());
   const auto has = [&](const char* key) { return root && root->find(key); };
-  const std::vector<std::string> extra = name == "recording.yaml"
-                                             ? std::vector<std::string>{"start"}
-                                             : std::vector<std::string>{"software", "created"};
   if (has("scene") || has("truth")) {
     finding.kind = "scenario";
     take(finding, read_scenario(file), [](const ScenarioFile& scenario) {
@@ -140,10 +154,13 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
   } else if (has("transforms") || name == "result.yaml") {
     finding.kind = "result";
     take(finding, parse_calibration(text, file.string()), calibration_text);
-  } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml" ||
-             name == "recording.yaml") {
-    finding.kind = name == "recording.yaml" ? "recording" : name == "session.yaml" ? "session.yaml" : "rig";
-    take(finding, parse_rig(text, file, extra), rig_text);
+  } else if (name == "recording.yaml") {
+    finding.kind = "recording";
+    take(finding, open_recording(file.parent_path()),
+         [](const Recording& recording) { return rig_text(recording.rig); });
+  } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml") {
+    finding.kind = name == "session.yaml" ? "session.yaml" : "rig";
+    take(finding, parse_rig(text, file, {"software", "created"}), rig_text);
   } else {
     finding.kind = "camera intrinsics";
     take(finding, read_intrinsics(file), [](const Camera& camera) {
@@ -155,13 +172,7 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
 }
 
 Finding check_directory(const fs::path& directory) {
-  if (fs::exists(directory / "recording.yaml")) {
-    const fs::path file = directory / "recording.yaml";
-    Finding finding{"recording", {}, {}, ErrorCode::data, {}};
-    take(finding, read_rig(file, {"start"}), rig_text);
-    return finding;
-  }
-  return check_session(directory);
+  return fs::exists(directory / "recording.yaml") ? check_recording(directory) : check_session(directory);
 }
 
 Finding check_file(const fs::path& file) {
@@ -246,8 +257,9 @@ CommandBody setup_check(CLI::App& app) {
       ->required();
   app.add_flag("--json", options->json, "Print the findings as JSON");
   app.footer(
-      "A session's directory is checked with all its pictures and clouds. Problems go to stderr. Exit "
-      "status:\n"
+      "A session's directory is checked with all its pictures and clouds, a recording's with what its "
+      "sensors\n"
+      "begin with. Problems go to stderr. Exit status:\n"
       "0 sound (there may be warnings), 65 bad data, 74 cannot be read, 78 bad configuration; the highest of "
       "all.");
   return [options]() -> Result<int> { return run_check(*options); };

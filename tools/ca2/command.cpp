@@ -41,9 +41,14 @@ int report(const Error& error) {
   return static_cast<int>(error.code);
 }
 
-}  // namespace
+/// What was printed may be what was asked for, in a file or a pipe: lost output is no success.
+int printed(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  return std::max(code,
+                  report(Error(ErrorCode::io, "standard output", "writing failed", "is the disk full?")));
+}
 
-int run_command_line(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Calibrates LiDARs and cameras with a printed board.", "ca2");
   app.set_version_flag("--version", "ca2 " CA2_VERSION);
   app.require_subcommand(1);
@@ -79,6 +84,12 @@ int run_command_line(int argc, char** argv) {
         Error(ErrorCode::internal, "", std::string("internal error: ") + error.what(), "please report this"));
   }
   return 0;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  return printed(run(argc, argv));
 }
 
 }  // namespace ca2

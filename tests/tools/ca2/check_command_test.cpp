@@ -79,5 +79,30 @@ TEST_F(CheckCommand, APipeThatNobodyWritesToIsToldAndNotWaitedFor) {
             65);
 }
 
+TEST_F(CheckCommand, ARecordingIsJudgedByWhatReplayingItReads) {
+  const fs::path recording = folder / "recording";
+  const fs::path pictures = recording / "cameras" / "front";
+  fs::create_directories(pictures);
+  fs::copy_file(picture(1), pictures / "1700000000000000000.png");
+  // As recordings are written: `software` and `start` behind the rig.
+  const std::string rig = bytes_of(session / "session.yaml");
+  ASSERT_NE(rig.find("software: "), std::string::npos);
+  write_bytes(recording / "recording.yaml", rig + "start: 1700000000000000000\n");
+  for (const fs::path& what : {recording, recording / "recording.yaml"}) {
+    const Outcome sound = run_ca2({"check", what});
+    EXPECT_EQ(sound.status, 0) << sound.errors;
+    EXPECT_NE(sound.output.find(": recording, sound: "), std::string::npos) << sound.output;
+  }
+  const Outcome quiet = run_ca2({"check", recording});
+  EXPECT_NE(quiet.errors.find("lidars/puck.pcap: warning: cannot be opened"), std::string::npos)
+      << quiet.errors;
+  EXPECT_NE(quiet.output.find("1 pictures"), std::string::npos) << quiet.output;
+  write_bytes(recording / "recording.yaml", rig);
+  EXPECT_EQ(run_ca2({"check", recording / "recording.yaml"}).status, 78) << "without its start";
+  write_bytes(recording / "recording.yaml", rig + "start: 1700000000000000000\n");
+  fs::remove_all(pictures);
+  EXPECT_EQ(run_ca2({"check", recording}).status, 65) << "nothing in it";
+}
+
 }  // namespace
 }  // namespace ca2

@@ -1,12 +1,17 @@
 /// @file What `ca2` says about itself.
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
+#include "tests/support/temporary_directory.h"
 #include "tests/tools/ca2/program.h"
+#include "tests/tools/ca2/small_session.h"
 
 namespace ca2 {
 namespace {
 
 using namespace ca2::test;
+namespace fs = std::filesystem;
 
 const std::vector<std::string> commands{
 #define CA2_COMMAND(name, help) #name,
@@ -32,6 +37,20 @@ TEST(Overview, VersionIsOneLine) {
   EXPECT_EQ(run.status, 0);
   EXPECT_EQ(run.output.rfind("ca2 ", 0), 0u);
   EXPECT_EQ(run.output.find('\n'), run.output.size() - 1);
+}
+
+/// Of `ca2 ARGUMENTS` as a shell runs it.
+int shell_status(const std::string& arguments) {
+  const auto ca2 = std::filesystem::read_symlink("/proc/self/exe").replace_filename("ca2");
+  return WEXITSTATUS(std::system(("'" + ca2.string() + "' " + arguments).c_str()));
+}
+
+TEST(Overview, OutputThatCannotBeWrittenIsNoSuccess) {
+  const TemporaryDirectory folder;
+  const fs::path errors = folder / "errors";
+  EXPECT_EQ(shell_status("--version >/dev/full 2>'" + errors.string() + "'"), 74);
+  EXPECT_EQ(bytes_of(errors), "ca2: standard output: writing failed; is the disk full?\n");
+  EXPECT_EQ(shell_status("nonsense >/dev/full 2>&1"), 64);
 }
 
 }  // namespace
