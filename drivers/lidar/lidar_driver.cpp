@@ -48,8 +48,12 @@ Result<std::unique_ptr<PacketDecoder>> open_velodyne(const LidarModel& model, co
 
 }  // namespace
 
-LidarDriver::LidarDriver(std::string model, std::string source, std::unique_ptr<PacketDecoder> decoder)
-    : model_(std::move(model)), source_address_(std::move(source)), decoder_(std::move(decoder)) {}
+LidarDriver::LidarDriver(std::string model, const LidarDriverOptions& options,
+                         std::unique_ptr<PacketDecoder> decoder)
+    : model_(std::move(model)),
+      source_address_(options.source_address),
+      one_source_(options.one_source),
+      decoder_(std::move(decoder)) {}
 
 Result<LidarDriver> LidarDriver::open(const LidarModelSpec& spec, const LidarDriverOptions& options) {
   std::string name;
@@ -70,7 +74,7 @@ Result<LidarDriver> LidarDriver::open(const LidarModelSpec& spec, const LidarDri
     decoder = open_velodyne(**model, spec, options);
   }
   if (!decoder) return fail(decoder.error());
-  return LidarDriver(name, options.source_address, std::move(*decoder));
+  return LidarDriver(name, options, std::move(*decoder));
 }
 
 void LidarDriver::push(const Datagram& datagram, const LidarSink& sink) {
@@ -83,7 +87,14 @@ void LidarDriver::push(const Datagram& datagram, const LidarSink& sink) {
     ++counters_.truncated;
     return;
   }
+  const bool undecided = one_source_ && source_address_.empty();
+  const LidarCounters before = undecided ? counters_ : LidarCounters{};
   decoder_->push(datagram, counters_, sink);
+  // A packet that fits is counted at once, or not at all while it waits for its turn.
+  if (undecided && (counters_.lidar_packets > before.lidar_packets || counters_ == before)) {
+    source_address_ = datagram.source_address;
+    found_source_ = true;
+  }
 }
 
 void LidarDriver::flush(const LidarSink& sink) {

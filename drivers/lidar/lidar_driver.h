@@ -17,6 +17,9 @@ struct LidarDriverOptions {
   /// Only datagrams from this address, as Datagram spells it; empty: from any. Needed where two sensors
   /// without serial numbers in their packets share a port.
   std::string source_address;
+  /// Without a source_address: the one whose packet is the first that fits is the sensor's from then on. For
+  /// files, where a second sensor's packets would be woven into its scans.
+  bool one_source = false;
   bool second_returns = true;  ///< of dual return modes, into the scan
   bool exact = false;          ///< give LidarScan::exact
   double cut_azimuth = 0;      ///< rad, Velodyne: where a scan begins, clockwise from +y
@@ -40,15 +43,21 @@ class LidarDriver {
   /// False while the calibration is still being collected from the stream.
   bool ready() const { return decoder_->ready(); }
   const LidarCounters& counters() const { return counters_; }
+  /// The only one that is listened to; empty: any.
+  const std::string& source_address() const { return source_address_; }
+  /// Was it the first that fitted (LidarDriverOptions::one_source), not one that was asked for?
+  bool found_source() const { return found_source_; }
   /// Forgets the counts, e.g. to read a recording again after its calibration was collected.
   void reset_counters() { counters_ = {}; }
   const std::string& model() const { return model_; }  ///< "VLP-16", or an Ouster's product line
 
  private:
-  LidarDriver(std::string model, std::string source, std::unique_ptr<PacketDecoder> decoder);
+  LidarDriver(std::string model, const LidarDriverOptions& options, std::unique_ptr<PacketDecoder> decoder);
 
   std::string model_;
   std::string source_address_;
+  bool one_source_;
+  bool found_source_ = false;
   std::unique_ptr<PacketDecoder> decoder_;
   LidarCounters counters_;
 };

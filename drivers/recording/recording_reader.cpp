@@ -4,6 +4,7 @@
 #include <deque>
 
 #include "drivers/camera/camera_driver.h"
+#include "drivers/lidar/capture_doubts.h"
 #include "drivers/lidar/lidar_driver.h"
 #include "drivers/lidar/scan_clock.h"
 #include "drivers/net/pcap_reader.h"
@@ -59,18 +60,19 @@ class Pictures : public Stream {
 
 class Packets : public Stream {
  public:
-  Packets(std::unique_ptr<PcapReader> reader, LidarDriver driver)
-      : reader_(std::move(reader)), driver_(std::move(driver)) {}
+  Packets(std::string file, std::unique_ptr<PcapReader> reader, LidarDriver driver)
+      : file_(std::move(file)), reader_(std::move(reader)), driver_(std::move(driver)) {}
 
   static Result<std::unique_ptr<Packets>> open(const std::filesystem::path& file,
                                                const LidarModelSpec& spec) {
     LidarDriverOptions options;
+    options.one_source = true;
     options.streamed_calibration = spec.metadata.empty() && spec.calibration.empty();
     auto driver = LidarDriver::open(spec, options);
     if (!driver) return fail(driver.error());
     auto reader = PcapReader::open(file);
     if (!reader) return fail(reader.error());
-    return std::make_unique<Packets>(std::move(*reader), std::move(*driver));
+    return std::make_unique<Packets>(file.string(), std::move(*reader), std::move(*driver));
   }
 
   std::optional<RecordedFrame> read() override {
@@ -83,12 +85,14 @@ class Packets : public Stream {
     };
     while (ready_.empty() && !ended_) {
       const Result<PacketBatch> batch = reader_->next_batch();
-      if (!batch) damage = batch.error();
+      if (!batch) warnings = batch.error().problems;
       ended_ = !batch || batch->event == PacketEvent::end;
       if (!ended_) {
         for (const Datagram& datagram : batch->datagrams) driver_.push(datagram, sink);
       } else {
         driver_.flush(sink);
+        const std::vector<Problem> doubts = capture_doubts(file_, driver_, reader_->counters());
+        warnings.insert(warnings.end(), doubts.begin(), doubts.end());
       }
     }
     if (ready_.empty()) return std::nullopt;
@@ -97,9 +101,10 @@ class Packets : public Stream {
     return frame;
   }
 
-  std::optional<Error> damage;
+  std::vector<Problem> warnings;  ///< not yet told
 
  private:
+  std::string file_;
   std::unique_ptr<PcapReader> reader_;
   LidarDriver driver_;
   ScanClock clock_;
@@ -139,10 +144,9 @@ struct RecordingReader::State {
   }
   void fill(Lidar& lidar) {
     lidar.stream->head = lidar.stream->read();
-    if (lidar.stream->damage) {
-      warn(*lidar.stream->damage);
-      lidar.stream->damage.reset();
-    }
+    std::vector<Problem>& told = lidar.stream->warnings;
+    warnings.insert(warnings.end(), told.begin(), told.end());
+    told.clear();
   }
 };
 

@@ -2,13 +2,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "drivers/lidar/capture_doubts.h"
 #include "drivers/lidar/lidar_driver.h"
+#include "drivers/net/ip_address.h"
 #include "drivers/net/pcap_reader.h"
 #include "tools/ca2/command.h"
 
@@ -36,20 +40,14 @@ class ScanWriter {
     std::error_code error;
     fs::create_directories(directory, error);
     if (error) return fail(ErrorCode::cannot_create, directory.string(), error.message());
-    ScanWriter writer(directory);
-    if (csv) {
-      const fs::path file = directory / "scans.csv";
-      writer.csv_.reset(std::fopen(file.c_str(), "w"));
-      if (!writer.csv_) return fail(ErrorCode::cannot_create, file.string(), "cannot be created");
-      std::fputs("scan,ring,column,timestamp_ns,range_m,x,y,z,intensity\n", writer.csv_.get());
-    }
-    return writer;
+    return ScanWriter(directory, csv);
   }
 
   Result<void> write(LidarScan& scan) {
     points_ += scan.scan.size();
     const std::size_t number = scans_++;
-    if (csv_) {
+    if (rows_) {
+      if (const Result<void> open = open_rows(); !open) return open;
       write_rows(scan, number);
       return {};
     }
@@ -78,7 +76,17 @@ class ScanWriter {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
-  explicit ScanWriter(fs::path directory) : directory_(std::move(directory)) {}
+  ScanWriter(fs::path directory, bool rows) : directory_(std::move(directory)), rows_(rows) {}
+
+  /// With the first scan: what holds none leaves no file, and an earlier one as it is.
+  Result<void> open_rows() {
+    if (csv_) return {};
+    const fs::path file = directory_ / "scans.csv";
+    csv_.reset(std::fopen(file.c_str(), "w"));
+    if (!csv_) return fail(ErrorCode::cannot_create, file.string(), std::strerror(errno));
+    std::fputs("scan,ring,column,timestamp_ns,range_m,x,y,z,intensity\n", csv_.get());
+    return {};
+  }
 
   void write_rows(const LidarScan& scan, std::size_t number) {
     for (std::size_t i = 0; i < scan.scan.size(); ++i) {
@@ -90,12 +98,14 @@ class ScanWriter {
   }
 
   fs::path directory_;
+  bool rows_;  ///< of one CSV, not a file per scan
   std::unique_ptr<std::FILE, Close> csv_;
   std::size_t scans_ = 0, points_ = 0;
 };
 
 /// Reads the whole file through the driver.
-Result<void> read_through(const DecodeOptions& options, LidarDriver& driver, const LidarSink& sink) {
+Result<PacketCounters> read_through(const DecodeOptions& options, LidarDriver& driver,
+                                    const LidarSink& sink) {
   PcapOptions pcap;
   if (options.port != 0) pcap.ports.push_back(static_cast<std::uint16_t>(options.port));
   auto reader = PcapReader::open(options.file, pcap);
@@ -114,7 +124,7 @@ Result<void> read_through(const DecodeOptions& options, LidarDriver& driver, con
   }
   driver.flush(sink);
   if (progress) std::fputs("\r\033[K", stderr);
-  return {};
+  return (*reader)->counters();
 }
 
 Result<LidarDriver> open_driver(const DecodeOptions& options) {
@@ -123,7 +133,8 @@ Result<LidarDriver> open_driver(const DecodeOptions& options) {
   spec.metadata = options.metadata;
   spec.calibration = options.calibration;
   LidarDriverOptions driver;
-  driver.source_address = options.source;
+  if (const auto source = parse_ip_address(options.source)) driver.source_address = source->text();
+  driver.one_source = true;
   driver.second_returns = !options.single;
   driver.exact = true;
   driver.streamed_calibration = true;
@@ -134,7 +145,7 @@ Result<LidarDriver> open_driver(const DecodeOptions& options) {
 /// An HDL-64E without a calibration file sends it: the recording is read once for it alone.
 Result<void> find_calibration(const DecodeOptions& options, LidarDriver& driver) {
   if (driver.ready()) return {};
-  if (const Result<void> read = read_through(options, driver, [](LidarScan&&) {}); !read) return read;
+  if (const auto read = read_through(options, driver, [](LidarScan&&) {}); !read) return fail(read.error());
   driver.reset_counters();
   if (driver.ready()) return {};
   return fail(
@@ -162,8 +173,14 @@ void print_summary(const DecodeOptions& options, const LidarDriver& driver, cons
 
 Result<int> run(const DecodeOptions& options) {
   if (options.metadata.empty() == options.model.empty()) {
-    return fail(ErrorCode::usage, "", "decode needs to know the sensor",
-                "give --metadata (Ouster) or --model (Velodyne)");
+    return fail(
+        ErrorCode::usage, "",
+        options.model.empty() ? "decode needs to know the sensor" : "--metadata and --model name two sensors",
+        "give --metadata (Ouster) or --model (Velodyne)");
+  }
+  if (!options.source.empty() && !parse_ip_address(options.source)) {
+    return fail(ErrorCode::usage, "--source", "'" + options.source + "' is not a numeric address",
+                "write it like 192.168.1.201");
   }
   Result<LidarDriver> driver = open_driver(options);
   if (!driver) return fail(driver.error());
@@ -174,13 +191,16 @@ Result<int> run(const DecodeOptions& options) {
   const auto sink = [&](LidarScan&& scan) {
     if (written) written = writer->write(scan);
   };
-  if (const Result<void> read = read_through(options, *driver, sink); !read) return fail(read.error());
+  const Result<PacketCounters> packets = read_through(options, *driver, sink);
+  if (!packets) return fail(packets.error());
   if (!written) return fail(written.error());
   if (const Result<void> finished = writer->finish(); !finished) return fail(finished.error());
   print_summary(options, *driver, *writer);
-  if (writer->scans() == 0) {
-    return fail(ErrorCode::data, options.file.string(), "no scan of a " + driver->model() + " is in it",
-                "the counters say what became of its datagrams");
+  const std::vector<Problem> doubts = capture_doubts(options.file.string(), *driver, *packets);
+  if (writer->scans() == 0) return fail(ErrorCode::data, doubts);
+  for (const Problem& doubt : doubts) {
+    const Error line(ErrorCode::data, doubt.where, "warning: " + doubt.what, doubt.hint);
+    std::fprintf(stderr, "ca2: %s\n", line.text().c_str());
   }
   return 0;
 }

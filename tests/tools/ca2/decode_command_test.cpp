@@ -12,6 +12,7 @@
 #include "drivers/lidar/model.h"
 #include "drivers/net/pcap_writer.h"
 #include "tests/tools/ca2/program.h"
+#include "tests/tools/ca2/small_session.h"
 
 namespace ca2 {
 namespace {
@@ -26,13 +27,18 @@ class DecodeCommand : public testing::Test {
   void SetUp() override { fs::create_directories(folder); }
   void TearDown() override { fs::remove_all(folder); }
 
-  void write_capture(const std::vector<EncodedPacket>& packets, std::uint16_t port) {
-    auto writer = PcapWriter::create(folder / "in.pcap");
+  /// `sources`: the packets' addresses, in turns.
+  void write_capture(const std::vector<EncodedPacket>& packets, std::uint16_t port,
+                     const std::vector<std::string>& sources = {"192.0.2.7"}) {
+    PcapWriterOptions options;
+    options.overwrite = true;
+    auto writer = PcapWriter::create(folder / "in.pcap", options);
     ASSERT_TRUE(writer) << writer.error().text();
+    std::size_t number = 0;
     for (const EncodedPacket& packet : packets) {
       Datagram datagram;
       datagram.time = packet.time;
-      datagram.source_address = "192.0.2.7";
+      datagram.source_address = sources[number++ % sources.size()];
       datagram.destination_port = port;
       datagram.payload = packet.bytes;
       ASSERT_TRUE(writer->write(datagram));
@@ -41,6 +47,18 @@ class DecodeCommand : public testing::Test {
   }
 
   /// A wall of returns that get further by a step from ring to ring.
+  static std::vector<EncodedPacket> puck_packets(int scans) {
+    const VelodyneModel& model = *(*find_lidar_model("VLP-16"))->velodyne();
+    VelodyneEncoder encoder(model, model.factory, {});
+    std::vector<EncodedPacket> packets;
+    for (int i = 0; i < scans; ++i) {
+      for (auto& packet : encoder.push(scan(16, 1808, 1'700'000'000'000'000'000 + i * 100'000'000))) {
+        packets.push_back(std::move(packet));
+      }
+    }
+    return packets;
+  }
+
   static EncoderScan scan(int rings, int columns, std::int64_t start) {
     EncoderScan out;
     out.rings = rings;
@@ -97,15 +115,7 @@ TEST_F(DecodeCommand, AnOusterRecordingBecomesRowsToTheMicrometre) {
 }
 
 TEST_F(DecodeCommand, AVelodyneRecordingBecomesCloudsAndAnHdl64eWithoutAnglesIsRefused) {
-  const VelodyneModel& model = *(*find_lidar_model("VLP-16"))->velodyne();
-  VelodyneEncoder encoder(model, model.factory, {});
-  std::vector<EncodedPacket> packets;
-  for (int i = 0; i < 2; ++i) {
-    for (auto& packet : encoder.push(scan(16, 1808, 1'700'000'000'000'000'000 + i * 100'000'000))) {
-      packets.push_back(std::move(packet));
-    }
-  }
-  write_capture(packets, 2368);
+  write_capture(puck_packets(2), 2368);
   const Outcome outcome = run_ca2(
       {"decode", folder / "in.pcap", "--model", "vlp16", "--format", "pcd", "--output", folder / "out"});
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
@@ -125,6 +135,57 @@ TEST_F(DecodeCommand, AVelodyneRecordingBecomesCloudsAndAnHdl64eWithoutAnglesIsR
   EXPECT_EQ(status({"--model", "VLS-128"}), 65);  // nothing of it in there
   EXPECT_EQ(status({}), 64);
   EXPECT_EQ(status({"--model", "VLP-16", "--format", "las"}), 64);
+  EXPECT_EQ(status({"--model", "VLP-16", "--source", "lidar.local"}), 64);
+  EXPECT_EQ(status({"--model", "VLP-16", "--metadata", "x.json"}), 64);
+}
+
+TEST_F(DecodeCommand, TwoSensorsOnOnePortAreNotWovenIntoOne) {
+  std::vector<EncodedPacket> packets = puck_packets(2), both;
+  write_capture(packets, 2368);
+  const std::vector<std::string> decode{"decode", folder / "in.pcap", "--model",
+                                        "VLP-16", "--output",         folder / "out"};
+  const Outcome alone = run_ca2(decode);
+  ASSERT_EQ(alone.status, 0) << alone.errors;
+  EXPECT_EQ(alone.errors, "");
+  const std::string rows = bytes_of(folder / "out" / "scans.csv");
+  // The second one's revolutions are a third of a turn off.
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    both.push_back(packets[i]);
+    both.push_back(packets[(i + packets.size() / 3) % packets.size()]);
+    both.back().time = packets[i].time + 300'000;
+  }
+  write_capture(both, 2368, {"192.0.2.7", "192.0.2.8"});
+  const Outcome mixed = run_ca2(decode);
+  EXPECT_EQ(mixed.status, 0);
+  EXPECT_EQ(bytes_of(folder / "out" / "scans.csv"), rows);
+  EXPECT_NE(
+      mixed.errors.find("in.pcap: warning: has packets of several addresses, and only those of 192.0.2.7"),
+      std::string::npos)
+      << mixed.errors;
+  std::vector<std::string> asked = decode;
+  asked.insert(asked.end(), {"--source", "192.0.2.7"});
+  EXPECT_EQ(run_ca2(asked).errors, "") << "the others are left out on purpose";
+}
+
+TEST_F(DecodeCommand, ACaptureThatEndsInARecordIsSaidToAndOneOfAnotherSensorLeavesEarlierRowsAlone) {
+  write_capture(puck_packets(2), 2368);
+  fs::resize_file(folder / "in.pcap", fs::file_size(folder / "in.pcap") - 100);
+  const Outcome cut =
+      run_ca2({"decode", folder / "in.pcap", "--model", "VLP-16", "--output", folder / "out"});
+  EXPECT_EQ(cut.status, 0);
+  EXPECT_NE(cut.errors.find("in.pcap: warning: ends in the middle of a record"), std::string::npos)
+      << cut.errors;
+  const std::string rows = bytes_of(folder / "out" / "scans.csv");
+  EXPECT_GT(rows.size(), 1'000'000u);
+
+  const Outcome other =
+      run_ca2({"decode", folder / "in.pcap", "--model", "VLS-128", "--output", folder / "out"});
+  EXPECT_EQ(other.status, 65);
+  EXPECT_NE(other.errors.find("no scan of this sensor, VLS-128, is in it: "), std::string::npos)
+      << other.errors;
+  EXPECT_NE(other.errors.find(" dropped: serial number or model of another sensor;"), std::string::npos)
+      << other.errors;
+  EXPECT_EQ(bytes_of(folder / "out" / "scans.csv"), rows);
 }
 
 }  // namespace

@@ -213,14 +213,29 @@ TEST_F(Recordings, WhatIsMissingOrDamagedIsSaid) {
   int scans = 0;
   while (const auto frame = reader->next()) scans += frame->scan != nullptr;
   EXPECT_GT(scans, 5);
-  EXPECT_EQ(reader->warnings().size(), 1u);  // the picture; a capture may end anywhere
+  ASSERT_EQ(reader->warnings().size(), 2u);  // the picture, and where the capture ends
+  EXPECT_TRUE(std::any_of(reader->warnings().begin(), reader->warnings().end(), [](const Problem& problem) {
+    return problem.what.starts_with("ends in the middle of a record");
+  }));
+  fs::remove_all(path("damaged"));
   EXPECT_FALSE(open_recording(path("nowhere")));
-  fs::remove_all(path("damaged/cameras"));
-  fs::remove(path("damaged/lidars/top.pcap"));
   const auto none = RecordingReader::open(recording);
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, ErrorCode::data);
   EXPECT_EQ(none.error().problems.size(), 3u);
+}
+
+TEST_F(Recordings, PacketsOfAnotherModelThanTheRigSaysAreSaidToBe) {
+  Recording recording = open_recording(path("recording")).value();
+  recording.rig.lidars.at("top").model = "HDL-32E";
+  auto reader = RecordingReader::open(recording);
+  ASSERT_TRUE(reader) << reader.error().text();
+  while (reader->next()) {
+  }
+  ASSERT_EQ(reader->warnings().size(), 1u);
+  EXPECT_NE(reader->warnings()[0].what.find("no scan of this sensor, HDL-32E, is in it: "), std::string::npos)
+      << reader->warnings()[0].what;
+  EXPECT_NE(reader->warnings()[0].what.find("model of another sensor"), std::string::npos);
 }
 
 }  // namespace

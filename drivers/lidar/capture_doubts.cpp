@@ -1,0 +1,42 @@
+#include "drivers/lidar/capture_doubts.h"
+
+namespace ca2 {
+namespace {
+
+/// "603 dropped: serial number or model of another sensor", of the reason that took most; empty: none did.
+std::string dropped_most(const LidarCounters& counters) {
+  const LidarCounterInfo* most = nullptr;
+  for (const LidarCounterInfo& info : lidar_counter_table()) {
+    if (!info.help.starts_with("dropped: ") || counters.*info.value == 0) continue;
+    if (!most || counters.*info.value > counters.*most->value) most = &info;
+  }
+  return most ? std::to_string(counters.*most->value) + " " + std::string(most->help) : std::string();
+}
+
+}  // namespace
+
+std::vector<Problem> capture_doubts(const std::string& file, const LidarDriver& driver,
+                                    const PacketCounters& packets) {
+  std::vector<Problem> doubts;
+  const LidarCounters& counters = driver.counters();
+  if (packets.cut_records > 0) {
+    doubts.push_back({file,
+                      "ends in the middle of a record: the recorder was killed, or the copy is not whole",
+                      "what is before was read"});
+  }
+  if (counters.frames == 0) {
+    const std::string reason = dropped_most(counters);
+    doubts.push_back(
+        {file,
+         "no scan of this sensor, " + driver.model() + ", is in it" + (reason.empty() ? "" : ": " + reason),
+         "`ca2 sensors --pcap " + file + "` names what is"});
+  } else if (driver.found_source() && counters.other_source > 0) {
+    doubts.push_back(
+        {file,
+         "has packets of several addresses, and only those of " + driver.source_address() + " were read",
+         "`ca2 sensors --pcap " + file + "` lists them"});
+  }
+  return doubts;
+}
+
+}  // namespace ca2
