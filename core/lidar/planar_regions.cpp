@@ -100,10 +100,12 @@ class RegionGrower {
   std::optional<PlaneSums::Fit> fit_seed(int row, int column) const {
     const Eigen::Vector3f& centre = image_.point(image_.index(row, column));
     const float range = image_.range[image_.index(row, column)], reach = 0.3f * short_side_;
-    const float gap = row_gap(row, range);
-    const int below = std::min(row, static_cast<int>(reach / gap));
-    const int above = std::min(image_.rows - 1 - row, std::max(1, static_cast<int>(reach / gap)));
-    const int half = std::clamp(static_cast<int>(reach / column_gap(range)), 2, image_.columns / 8);
+    // As many as an int holds, however near the return and large the board.
+    const auto within = [&](float gap) { return static_cast<int>(std::min(reach / gap, 1e6f)); };
+    const int rows = within(row_gap(row, range));
+    const int below = std::min(row, rows);
+    const int above = std::min(image_.rows - 1 - row, std::max(1, rows));
+    const int half = std::clamp(within(column_gap(range)), 2, image_.columns / 8);
     const int row_step = std::max(1, (below + above) / 6), column_step = std::max(1, half / 5);
     const float limit = (3 * reach) * (3 * reach);  // of a surface at 70 degrees of incidence
     PlaneSums sums(centre);

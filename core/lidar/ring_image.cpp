@@ -7,6 +7,8 @@
 namespace ca2 {
 namespace {
 
+constexpr float least_row_angle = 1e-5f;  // rad: a thousandth of what sensors have
+
 /// Returns of several sweeps in one cell: the mean of those near the (lower)
 /// median range, so that neither a passer-by nor a mixed pixel moves the point,
 /// and noise averages out.
@@ -63,7 +65,9 @@ RingImage make_ring_image(const Projection& projection, const Scan& scan, RingIm
     image.height.push_back(projection.height[ring]);
   }
   for (std::size_t row = 0; row + 1 < image.slope.size(); ++row) {
-    image.row_angle.push_back(std::atan(image.slope[row + 1]) - std::atan(image.slope[row]));
+    // Rings may share an elevation, and much is divided by this.
+    image.row_angle.push_back(
+        std::max(least_row_angle, std::atan(image.slope[row + 1]) - std::atan(image.slope[row])));
   }
   if (image.rows > 0) image.row_angle.push_back(image.rows > 1 ? image.row_angle.back() : 1.0f);
   if (projection.one_per_cell()) {

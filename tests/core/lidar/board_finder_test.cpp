@@ -55,6 +55,26 @@ Eigen::Vector3d plane_errors(const BoardCandidate& candidate, const Scene& scene
   return error.cwiseQuotient(covariance.diagonal().cwiseSqrt());
 }
 
+/// As files of several planar scanners, or with ids of something else, have it: no angle between rings.
+TEST(BoardFinder, RingsOfOneElevationAreSearched) {
+  Scan scan;
+  scan.rings = 6;
+  scan.columns = 720;
+  for (int ring = 0; ring < scan.rings; ++ring) {
+    for (int column = 0; column < scan.columns; ++column) {
+      const float azimuth = static_cast<float>(column) * 2 * static_cast<float>(M_PI) / 720;
+      const float range = column > 340 && column < 380 ? 2.0f : 5.0f;
+      scan.points.emplace_back(range * std::cos(azimuth), -range * std::sin(azimuth), 0.0f);
+      scan.ring.push_back(static_cast<std::uint16_t>(ring));
+      scan.column.push_back(static_cast<std::uint32_t>(column));
+    }
+  }
+  for (const BoardCandidate& candidate : find_board_candidates(scan, board_of(0.6, 0.45)))
+    EXPECT_TRUE(candidate.T_lidar_board.t.allFinite());
+  const auto picked = fit_picked_patch(scan, board_of(0.6, 0.45), 3, 360, 0);
+  EXPECT_TRUE(!picked || picked->plane.normal.allFinite());
+}
+
 struct Case {
   const char* name;
   SceneSensor (*sensor)();
