@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/io/json.h"
 #include "core/types/text.h"
 #include "daemon/log.h"
 #include "drivers/camera/host_time.h"
@@ -92,7 +93,7 @@ void LcmDoor::receive(const lcm::ReceiveBuffer* buffer, const std::string&) {
                        sequence = command.sequence](const Result<json>& result) {
     if (*alive) reply(sender, sequence, result);
   };
-  const json arguments = json::parse(command.arguments, nullptr, false);
+  const json arguments = parse_json(command.arguments);
   if (arguments.is_discarded()) {
     return answer(fail(ErrorCode::usage, "", "the arguments are not JSON"));
   }

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "ca2_version.h"
+#include "core/io/json.h"
 #include "core/types/text.h"
 #include "daemon/doors/rate_limit.h"
 #include "daemon/log.h"
@@ -134,7 +135,7 @@ void SocketDoor::read(const std::shared_ptr<Client>& client) {
 }
 
 void SocketDoor::handle(const std::shared_ptr<Client>& client, std::string_view line) {
-  const json request = json::parse(line, nullptr, false);
+  const json request = parse_json(line);
   const bool understood = request.is_object() && request.contains("id") &&
                           request["id"].is_number_integer() && request.contains("command") &&
                           request["command"].is_string();

@@ -1,6 +1,7 @@
 /// @file The two HTTP interfaces of Ouster's firmware 2.x and later.
 #include <nlohmann/json.hpp>
 
+#include "core/io/json.h"
 #include "drivers/lidar_config/ouster_config.h"
 #include "drivers/lidar_config/ouster_sections.h"
 
@@ -17,7 +18,7 @@ Result<std::string> object_from(const HttpClient& client, const std::string& pat
     return fail(ErrorCode::data, client.url(path),
                 "the sensor answers HTTP " + std::to_string(reply->status));
   }
-  if (!json::parse(reply->body, nullptr, false).is_object()) {
+  if (!parse_json(reply->body).is_object()) {
     return fail(ErrorCode::data, client.url(path), "the answer is no JSON object",
                 "is this address an Ouster's?");
   }
@@ -94,7 +95,7 @@ class CommandApi : public HttpApi {
       const std::string path = "/api/v1/sensor/cmd/set_config_param?args=" + key + "+" + url_encode(text);
       const auto set = done_by(client_, path, client_.get(path));
       if (!set) return fail(set.error());
-      if (json::parse(*set, nullptr, false) != "set_config_param") {
+      if (parse_json(*set) != "set_config_param") {
         return fail(ErrorCode::config, client_.url(path), "the sensor refuses: " + set->substr(0, 300));
       }
     }

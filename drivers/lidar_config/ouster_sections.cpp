@@ -1,4 +1,5 @@
 #include "drivers/lidar_config/ouster_sections.h"
+#include "core/io/json.h"
 
 #include <nlohmann/json.hpp>
 
@@ -15,7 +16,7 @@ Result<std::string> assemble_ouster_metadata(
                               "lidar_data_format", "calibration_status"}) {
     const Result<std::string> reply = ask(section);
     if (!reply) return fail(reply.error());
-    json value = json::parse(*reply, nullptr, false);
+    json value = parse_json(*reply);
     all[section] = value.is_object() ? std::move(value) : json(*reply);
   }
   return all.dump(2, ' ', false, json::error_handler_t::replace);

@@ -1,6 +1,7 @@
 /// @file The text protocol of Ouster's firmware 1.x.
 #include <nlohmann/json.hpp>
 
+#include "core/io/json.h"
 #include "drivers/lidar_config/ouster_config.h"
 #include "drivers/lidar_config/ouster_sections.h"
 
@@ -44,7 +45,7 @@ class TcpApi : public OusterApi {
  private:
   Result<std::string> object_from(const std::string& command) {
     Result<std::string> reply = client_.ask(command);
-    if (reply && !json::parse(*reply, nullptr, false).is_object()) {
+    if (reply && !parse_json(*reply).is_object()) {
       return fail(ErrorCode::data, "",
                   "'" + command + "' is answered by no JSON object: " + reply->substr(0, 300),
                   "is this address an Ouster's?");

@@ -1,4 +1,5 @@
 #include "drivers/lidar_config/velodyne_config.h"
+#include "core/io/json.h"
 
 #include <algorithm>
 #include <cctype>
@@ -49,7 +50,7 @@ Result<std::string> VelodyneConfig::read_object(const std::string& path) const {
     return fail(ErrorCode::data, client_.url(path),
                 "the sensor answers HTTP " + std::to_string(reply->status), "an HDL-64E has no web pages");
   }
-  if (!json::parse(reply->body, nullptr, false).is_object()) {
+  if (!parse_json(reply->body).is_object()) {
     return fail(ErrorCode::data, client_.url(path), "the answer is no JSON object",
                 "is this address a Velodyne's?");
   }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "core/io/json.h"
 #include "messages/control/line_buffer.h"
 #include "messages/control/protocol.h"
 #include "messages/error_json.h"
@@ -111,7 +112,7 @@ Result<json> Client::next(std::chrono::milliseconds timeout) {
   const auto deadline = Clock::now() + timeout;
   while (true) {
     if (const auto line = state_->lines.next()) {
-      json message = json::parse(*line, nullptr, false);
+      json message = parse_json(*line);
       if (message.is_discarded() || !message.is_object()) {
         return fail(ErrorCode::data, "", "the daemon sent something that is not JSON");
       }

@@ -10,6 +10,7 @@
 #include <ca2/command_v1_t.hpp>
 #include <ca2/reply_v1_t.hpp>
 
+#include "core/io/json.h"
 #include "messages/control/client.h"
 #include "messages/error_json.h"
 #include "messages/signing.h"
@@ -36,7 +37,7 @@ struct ReplyListener {
         message.source != host || message.sequence != sequence || !verify(key.key, message)) {
       return;
     }
-    json parsed = json::parse(message.reply, nullptr, false);
+    json parsed = parse_json(message.reply);
     if (!parsed.is_discarded()) reply = std::move(parsed);
   }
 };

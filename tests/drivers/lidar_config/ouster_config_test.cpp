@@ -177,6 +177,8 @@ TEST(OusterConfig, RefusesHostsThatAreNoOuster) {
   EXPECT_EQ(code_of("{", 200), static_cast<int>(ErrorCode::data));
   EXPECT_EQ(code_of("[]", 200), static_cast<int>(ErrorCode::data));
   EXPECT_EQ(code_of("{}", 404), static_cast<int>(ErrorCode::data));
+  const std::string brackets = std::string(100'000, '[') + std::string(100'000, ']');
+  EXPECT_EQ(code_of("{\"udp_dest\": " + brackets + "}", 200), static_cast<int>(ErrorCode::data));
   const auto nobody = OusterConfig::connect("127.0.0.1", options_for(unused_port(), unused_port()));
   ASSERT_FALSE(nobody);
   EXPECT_EQ(nobody.error().code, ErrorCode::unavailable);

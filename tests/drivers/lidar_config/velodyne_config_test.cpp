@@ -87,7 +87,10 @@ TEST_F(VelodyneConfigTest, StopsAtARefusal) {
 }
 
 TEST(VelodyneConfig, RefusesGarbage) {
-  for (const std::string body : {"", "<html>", "[1]", "{\"config\": "}) {
+  const std::string brackets = std::string(100'000, '[') + std::string(100'000, ']');
+  for (const std::string& body :
+       {std::string(), std::string("<html>"), std::string("[1]"), std::string("{\"config\": "),
+        "{\"config\": {\"rpm\": " + brackets + "}}"}) {
     FakeHttp fake;
     fake.server.Get(
         ".*", [&](const httplib::Request&, httplib::Response& out) { out.set_content(body, "text/html"); });
