@@ -62,7 +62,7 @@ Result<Scan> parse_cloud_csv(std::string_view content, const std::string& name) 
     double value = 0;
     if (columns == 0) {
       columns = fields.size();
-      if (!number(fields.front(), value)) {
+      if (columns > 0 && !number(fields.front(), value)) {
         static constexpr std::array names{"x", "y", "z", "intensity", "ring"};
         for (std::size_t k = 0; k < names.size(); ++k) {
           const auto found = std::find(fields.begin(), fields.end(), names[k]);

@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -154,7 +155,10 @@ Result<Scan> parse_ply(std::string_view content, const std::string& name) {
     if (!p.allFinite()) p.setConstant(std::numeric_limits<float>::quiet_NaN());
     scan.points.push_back(p);
     if (index[3] >= 0) scan.intensity.push_back(value(3));
-    if (index[4] >= 0) scan.ring.push_back(static_cast<std::uint16_t>(std::clamp(value(4), 0.0f, 65534.0f)));
+    if (index[4] >= 0) {
+      const float ring = std::isfinite(value(4)) ? std::clamp(value(4), 0.0f, 65534.0f) : 0;
+      scan.ring.push_back(static_cast<std::uint16_t>(ring));
+    }
   }
   return scan;
 }
