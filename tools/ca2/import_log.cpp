@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <memory>
 
 #include "tools/ca2/nearest_pairs.h"
@@ -15,20 +17,56 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Log = std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)>;
 using Event = std::unique_ptr<lcm_eventlog_event_t, decltype(&lcm_eventlog_free_event)>;
 
-Log open_log(const fs::path& file) {
-  return {lcm_eventlog_create(file.c_str(), "r"), &lcm_eventlog_destroy};
-}
+class Log {
+ public:
+  explicit Log(const fs::path& file) : log_(lcm_eventlog_create(file.c_str(), "r"), &lcm_eventlog_destroy) {
+    std::error_code error;
+    size_ = fs::file_size(file, error);
+    if (error) size_ = 0;
+  }
 
-Event next_event(const Log& log) {
-  return {lcm_eventlog_read_next_event(log.get()), &lcm_eventlog_free_event};
-}
+  bool open() const { return log_ != nullptr; }
+  std::int64_t position() const { return ftello(log_->f); }
+  bool go_to(std::int64_t at) const { return fseeko(log_->f, at, SEEK_SET) == 0; }
+  /// The next one; none at the end, and where the log is damaged.
+  Event next() const {
+    return {fits() ? lcm_eventlog_read_next_event(log_.get()) : nullptr, &lcm_eventlog_free_event};
+  }
+
+ private:
+  /// Is the next event's data in the file? liblcm takes as much memory as it is told, and does not look
+  /// whether it got any.
+  bool fits() const {
+    constexpr std::uint32_t magic = 0xEDA1DA01;
+    const std::int64_t begin = position();
+    std::uint32_t last = 0;
+    for (int byte = 0; last != magic && (byte = std::fgetc(log_->f)) != EOF;)
+      last = last << 8 | static_cast<std::uint32_t>(byte);
+    std::uint8_t header[24] = {};  // number, time, lengths of channel and data
+    const bool whole = std::fread(header, 1, sizeof header, log_->f) == sizeof header;
+    std::uint32_t length = 0;
+    for (std::size_t i = 20; i < sizeof header; ++i) length = length << 8 | header[i];
+    return whole && length <= size_ && go_to(begin);
+  }
+
+  std::unique_ptr<lcm_eventlog_t, decltype(&lcm_eventlog_destroy)> log_;
+  std::uintmax_t size_ = 0;
+};
 
 std::span<const std::uint8_t> bytes_of(const Event& event) {
   return {static_cast<const std::uint8_t*>(event->data),
           static_cast<std::size_t>(std::max(event->datalen, 0))};
+}
+
+/// us. Drivers without a clock leave 0, damage leaves what has no ns of 64 bits: then the time it was logged
+/// has to do, or none.
+std::int64_t time_of(const Event& event) {
+  for (const std::int64_t time : {message_utime(bytes_of(event)), event->timestamp}) {
+    if (time > 0 && time <= std::numeric_limits<std::int64_t>::max() / 1000) return time;
+  }
+  return 0;
 }
 
 /// A message: when its measurement was, and where it begins.
@@ -48,16 +86,14 @@ using Channels = std::map<std::string, Channel>;
 Channels survey(const Log& log) {
   Channels channels;
   for (;;) {
-    const std::int64_t at = ftello(log->f);
-    const Event event = next_event(log);
+    const std::int64_t at = log.position();
+    const Event event = log.next();
     if (!event) return channels;
     Channel& channel = channels[event->channel];
     const RobotMessage kind = kind_of_message(bytes_of(event));
     if (channel.count++ == 0) channel.kind = kind;
     if (kind == RobotMessage::other || kind != channel.kind) continue;
-    // Drivers without a clock leave 0: then the time it was logged has to do.
-    const std::int64_t utime = message_utime(bytes_of(event));
-    channel.messages.push_back({1000 * (utime > 0 ? utime : event->timestamp), at});
+    channel.messages.push_back({1000 * time_of(event), at});
   }
 }
 
@@ -99,8 +135,8 @@ const Channel* channel_of(const Channels& channels, const std::string& sensor, R
 
 Result<LogPlan> plan_log(const fs::path& file, const Rig& rig,
                          const std::map<std::string, std::string>& named, double tolerance) {
-  const Log log = open_log(file);
-  if (!log) return fail(ErrorCode::io, file.string(), "cannot be read");
+  const Log log(file);
+  if (!log.open()) return fail(ErrorCode::io, file.string(), "cannot be read");
   const Channels channels = survey(log);
   if (channels.empty()) {
     return fail(ErrorCode::data, file.string(), "is no LCM log, or an empty one",
@@ -157,12 +193,12 @@ Result<LogPlan> plan_log(const fs::path& file, const Rig& rig,
 
 Result<void> load_log_view(const fs::path& file, const LogGroup& group, const Rig& rig,
                            std::map<std::string, Image>& images, std::map<std::string, Scan>& scans) {
-  const Log log = open_log(file);
-  if (!log) return fail(ErrorCode::io, file.string(), "cannot be read");
+  const Log log(file);
+  if (!log.open()) return fail(ErrorCode::io, file.string(), "cannot be read");
   for (const auto& [sensor, at] : group) {
     const std::string name = file.string() + ": '" + sensor + "' at byte " + std::to_string(at);
-    if (fseeko(log->f, at, SEEK_SET) != 0) return fail(ErrorCode::io, name, "cannot be read");
-    const Event event = next_event(log);
+    if (!log.go_to(at)) return fail(ErrorCode::io, name, "cannot be read");
+    const Event event = log.next();
     if (!event) return fail(ErrorCode::io, name, "cannot be read again");
     if (rig.cameras.count(sensor)) {
       Result<Image> image = decode_picture_message(bytes_of(event), name);

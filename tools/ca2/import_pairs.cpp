@@ -17,29 +17,29 @@ namespace fs = std::filesystem;
 
 struct Numbered {
   std::int64_t key = 0;  ///< the number, or ns where it is a time
+  bool time = false;
   fs::path path;
 };
 
+/// ns in what so many digits count in our century: ms have 13, us 16, ns 19; 0 where they are a mere number.
+std::int64_t time_unit(std::ptrdiff_t digits) {
+  return digits < 13 ? 0 : digits <= 14 ? 1'000'000 : digits <= 17 ? 1000 : 1;
+}
+
 /// The last run of digits of the name; nothing where there is none, or it is too long for a number.
-std::optional<std::string> digits_of(const fs::path& file) {
+std::optional<Numbered> numbered(const fs::path& file) {
   const std::string stem = file.stem().string();
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   const auto end = std::find_if(stem.rbegin(), stem.rend(), digit).base();
   const auto begin = std::find_if_not(std::make_reverse_iterator(end), stem.rend(), digit).base();
-  if (begin == end || end - begin > 19) return std::nullopt;
-  return std::string(begin, end);
-}
-
-constexpr std::size_t least_time_digits = 13;
-
-std::int64_t key_of(const std::string& digits) {
-  std::uint64_t value = 0;
-  std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  value = std::min<std::uint64_t>(value, std::numeric_limits<std::int64_t>::max());
-  const auto number = static_cast<std::int64_t>(value);
-  // Of our century: ms have 13 digits, us 16, ns 19.
-  if (digits.size() < least_time_digits) return number;
-  return digits.size() <= 14 ? number * 1'000'000 : digits.size() <= 17 ? number * 1000 : number;
+  Numbered found{0, false, file};
+  const char* first = stem.data() + (begin - stem.begin());
+  if (std::from_chars(first, first + (end - begin), found.key).ec != std::errc()) return std::nullopt;
+  const std::int64_t unit = time_unit(end - begin);
+  // A date (20240115123456) is too large to be a time: equal ones go together.
+  found.time = unit > 0 && found.key <= std::numeric_limits<std::int64_t>::max() / unit;
+  if (found.time) found.key *= unit;
+  return found;
 }
 
 Result<std::vector<fs::path>> files_under(const fs::path& folder, bool pictures) {
@@ -81,12 +81,12 @@ Result<ImportPlan> plan_import(const fs::path& folder, const Rig& rig, double to
     if (!files) return fail(files.error());
     SensorFiles found{sensor, {}};
     for (const fs::path& path : *files) {
-      const auto digits = digits_of(path);
+      std::optional<Numbered> one = numbered(path);
       // Tables of numbers beside the clouds (imu.csv) are no clouds of a view.
-      if (!digits) continue;
-      found.files.push_back({key_of(*digits), path});
-      timed += digits->size() >= least_time_digits;
+      if (!one) continue;
+      timed += one->time;
       ++all;
+      found.files.push_back(std::move(*one));
     }
     std::stable_sort(found.files.begin(), found.files.end(),
                      [](const Numbered& a, const Numbered& b) { return a.key < b.key; });

@@ -163,6 +163,18 @@ TEST_F(ImportCommand, TimesArePairedToTheNearest) {
   EXPECT_NE(run({"--every", "2"}).output.find("2 views"), std::string::npos);
 }
 
+/// Of fourteen digits, as milliseconds are; a second later is not a millisecond later.
+TEST_F(ImportCommand, DatesArePairedWhereTheyAreEqual) {
+  fs::create_directories(folder / "data");
+  const std::string minute = "data/202401151234";
+  for (const char* second : {"56", "57", "59"})
+    fs::copy_file(picture(1), folder / (minute + second + ".png"));
+  for (const char* second : {"56", "58"}) fs::copy_file(cloud(1), folder / (minute + second + ".pcd"));
+  const Outcome imported = run();
+  ASSERT_EQ(imported.status, 0) << imported.errors;
+  EXPECT_NE(imported.output.find("1 views paired by number"), std::string::npos) << imported.output;
+}
+
 TEST_F(ImportCommand, MistakesAndDamageSayWhere) {
   EXPECT_EQ(run().status, 74) << "no folder";
   fs::create_directories(folder / "data");

@@ -24,11 +24,15 @@ class LogWriter {
 
   template <class Message>
   void write(const std::string& channel, const Message& message) {
+    write(channel, message, message.utime + 7000);
+  }
+  template <class Message>
+  void write(const std::string& channel, const Message& message, std::int64_t logged) {
     std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
     ASSERT_GE(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
     lcm::LogEvent event;
     event.eventnum = count_++;
-    event.timestamp = message.utime + 7000;
+    event.timestamp = logged;
     event.channel = channel;
     event.datalen = static_cast<std::int32_t>(bytes.size());
     event.data = bytes.data();
@@ -175,6 +179,40 @@ TEST_F(ImportLog, WhatCannotBeReadIsNamed) {
   outcome = run({"--tolerance", "0.004"});
   EXPECT_NE(outcome.errors.find("further apart than --tolerance"), std::string::npos) << outcome.errors;
   EXPECT_EQ(run({"--channel", "puck=VELODYNE", "--channel", "front=FRONT"}).status, 0);
+}
+
+/// A stamp that no ns of 64 bits can tell counts as none, as 0 does.
+TEST_F(ImportLog, ImpossibleTimesAreThoseOfLogging) {
+  const auto image = read_png(picture(1));
+  const auto scan = read_pcd(cloud(1));
+  ASSERT_TRUE(image && scan);
+  {
+    LogWriter log(folder / "log.lcm");
+    constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+    log.write("FRONT", picture_message(*image, never, 0), start);
+    log.write("VELODYNE", cloud2_message(*scan, start + 5000));
+    log.write("FRONT", picture_message(*image, never, 0), never);
+  }
+  const Outcome imported = run();
+  ASSERT_EQ(imported.status, 0) << imported.errors;
+  EXPECT_NE(imported.output.find("1 views paired by time"), std::string::npos) << imported.output;
+}
+
+/// liblcm would take 2 GiB, or write to where it got none.
+TEST_F(ImportLog, LengthsBeyondTheFileAreDamage) {
+  record(2);
+  std::string damaged = bytes_of(folder / "log.lcm");
+  const std::size_t second = damaged.find("\xED\xA1\xDA\x01", 1);
+  for (const char* length : {"\x7f\xff\xff\xff", "\x7f\xff\xff\xfe"}) {
+    write_bytes(folder / "log.lcm", damaged.replace(24, 4, length));
+    EXPECT_EQ(run().status, 65) << "the first event";
+  }
+  damaged = bytes_of(folder / "log.lcm").substr(second);
+  damaged.replace(damaged.find("\xED\xA1\xDA\x01", damaged.size() / 2) + 24, 4, "\x7f\xff\xff\xff");
+  write_bytes(folder / "log.lcm", damaged);
+  const Outcome outcome = run();
+  EXPECT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("1 views paired by time"), std::string::npos) << outcome.output;
 }
 
 /// Every cut and many damaged bytes: a view less, or an error, never a crash or a wait.
