@@ -24,6 +24,12 @@ double to_number(const json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
+/// The library would convert 1e300 too.
+template <class Integer>
+void read_integer(const json& value, Integer& out) {
+  out = static_cast<Integer>(value.get_ref<const json::number_integer_t&>());
+}
+
 std::optional<double> to_optional(const json& value) {
   return value.is_null() ? std::nullopt : std::optional(value.get<double>());
 }
@@ -54,17 +60,17 @@ void read_sensor(const json& in, DaemonStatus& out) {
   sensor.silent = in.at("silent");
   sensor.sees_board = in.at("sees_board");
   sensor.rate = to_number(in.at("rate"));
-  sensor.frames = in.at("frames");
-  sensor.shed = in.at("shed");
-  sensor.let_go = in.at("let_go");
+  read_integer(in.at("frames"), sensor.frames);
+  read_integer(in.at("shed"), sensor.shed);
+  read_integer(in.at("let_go"), sensor.let_go);
   sensor.motion = to_number(in.at("motion"));
   sensor.motion_limit = to_number(in.at("motion_limit"));
   SensorHealth& health = out.sensors[sensor.name];
   health.supervision = in.at("supervision");
   health.problem = in.at("problem");
   health.device = in.at("device");
-  health.lost = in.at("lost");
-  health.reopened = in.at("reopened");
+  read_integer(in.at("lost"), health.lost);
+  read_integer(in.at("reopened"), health.reopened);
   health.clock_sigma = to_number(in.at("clock_sigma"));
 }
 
@@ -88,8 +94,8 @@ NextPose read_next(const json& in) {
 
 DaemonStatus read_status(const json& in) {
   DaemonStatus out;
-  out.time = in.at("time");
-  out.sequence = in.at("sequence");
+  read_integer(in.at("time"), out.time);
+  read_integer(in.at("sequence"), out.sequence);
   out.software = in.at("software");
   out.session = in.at("session");
   CaptureStatus& capture = out.capture;
@@ -97,8 +103,8 @@ DaemonStatus read_status(const json& in) {
   capture.reason = in.at("reason");
   capture.progress = to_number(in.at("progress"));
   capture.automatic = in.at("automatic");
-  capture.views = in.at("views");
-  capture.used = in.at("used");
+  read_integer(in.at("views"), capture.views);
+  read_integer(in.at("used"), capture.used);
   for (const json& sensor : in.at("sensors")) read_sensor(sensor, out);
   capture.last_event = in.at("last_event");
   capture.sigma_translation = to_optional(in.at("sigma_translation"));
@@ -110,10 +116,12 @@ DaemonStatus read_status(const json& in) {
   out.solving = in.at("solving");
   out.storage_problem = in.at("storage_problem");
   out.recording = in.at("recording");
-  out.recording_dropped = in.at("recording_dropped");
+  read_integer(in.at("recording_dropped"), out.recording_dropped);
   const json& cost = in.at("store_cost");
-  out.store_cost = {cost.at("views"), cost.at("saving"), cost.at("searching")};
-  out.refused_commands = in.at("refused_commands");
+  read_integer(cost.at("views"), out.store_cost.views);
+  out.store_cost.saving = cost.at("saving");
+  out.store_cost.searching = cost.at("searching");
+  read_integer(in.at("refused_commands"), out.refused_commands);
   return out;
 }
 

@@ -9,6 +9,9 @@
 
 namespace ca2 {
 
+/// px, of a rig's pictures; as read_png.
+inline constexpr int max_image_side = 30000;
+
 /// Intrinsics from the text of a ROS camera_info, Kalibr camchain or OpenCV calibration file; `file` only
 /// names it in errors. Every problem is reported, ErrorCode::config. A distortion that no model of ours
 /// expresses exactly is refused.

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/session/intrinsics_file.h"
+
 namespace ca2 {
 
 void IntrinsicsNodes::add(const YAML::Node& node, std::string what, std::string hint) {
@@ -73,8 +75,8 @@ int IntrinsicsNodes::pixels(const YAML::Node& node, const std::string& name) {
   const std::size_t before = problems.size();
   const double value = number(node, name);
   if (problems.size() > before) return 0;
-  if (!(value >= 1 && value <= 65536) || value != std::floor(value)) {
-    add(node, name + " is not a whole number of pixels from 1 to 65536");
+  if (!(value >= 1 && value <= max_image_side) || value != std::floor(value)) {
+    add(node, name + " is not a whole number of pixels from 1 to " + std::to_string(max_image_side));
     return 0;
   }
   return static_cast<int>(value);

@@ -5,6 +5,7 @@
 #include "core/io/yaml_reader.h"
 #include "core/session/board_type_hint.h"
 #include "core/session/camera_yaml.h"
+#include "core/session/intrinsics_file.h"
 #include "core/session/pose_yaml.h"
 #include "core/session/rig.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double max_board_length = 100;  // m
 constexpr long long max_board_count = 1000;
-constexpr long long max_image_side = 30000;  // px, as read_png
 constexpr std::size_t max_name_length = 64;
 
 class RigParser {

@@ -85,6 +85,14 @@ TEST(Status, ForeignJsonIsAnErrorWithWords) {
   }
 }
 
+TEST(Status, CountsAreWholeNumbers) {
+  for (const char* key : {"time", "views", "refused_commands"}) {
+    nlohmann::json json = to_json(example());
+    json[key] = 1e300;
+    EXPECT_FALSE(status_from_json(json)) << key;
+  }
+}
+
 TEST(Status, EveryStateHasItsName) {
   for (const CaptureState state : {CaptureState::waiting, CaptureState::moving, CaptureState::holding,
                                    CaptureState::capturing, CaptureState::captured, CaptureState::done}) {

@@ -184,6 +184,7 @@ TEST(IntrinsicsFile, ProblemsSayWhereAndAllOfThem) {
   expect_refused(replaced(ros, "[438.78, 0.", "[438.78, 2"), "skew");
   expect_refused(replaced(ros, "[438.78", "[-438.78"), "fx is not positive");
   expect_refused(replaced(ros, "image_width: 640", "image_width: 640.5"), "cam.yaml:1:14:");
+  expect_refused(replaced(ros, "image_width: 640", "image_width: 30001"), "from 1 to 30000");  // as a rig's
   expect_refused(replaced(ros, "image_width: 640", ""), "'image_width' is missing");
   expect_refused(replaced(ros, "cols: 5", "cols: 4"), "rows times cols");
   expect_refused(replaced(ros, "plumb_bob", "weird"), "cam.yaml:8:19: distortion model 'weird'");
