@@ -144,6 +144,19 @@ std::optional<double> YamlReader::number(const YamlNode* node, double least, dou
   return std::nullopt;
 }
 
+std::optional<double> YamlReader::length(const YamlNode* node, double least, double most) {
+  const std::optional<double> value = node ? yaml_number(*node) : std::nullopt;
+  if (!value || !std::isfinite(*value) || (*value >= least && *value <= most)) {
+    return number(node, least, most);
+  }
+  const double metres = *value / 1000;
+  problem(
+      *node,
+      named(*node) + " must be from " + brief(least) + " to " + brief(most) + " m, not " + shown(node->text),
+      metres >= least && metres <= most ? "are these millimetres? Write " + brief(metres) : "");
+  return std::nullopt;
+}
+
 std::optional<long long> YamlReader::integer(const YamlNode* node, long long least, long long most) {
   if (!node) return std::nullopt;
   long long value = 0;

@@ -36,6 +36,8 @@ class YamlReader {
   const YamlNode* require(const YamlNode& map, std::string_view key, std::string_view what);
 
   std::optional<double> number(const YamlNode* node, double least, double most);
+  /// Of metres: who wrote millimetres is told.
+  std::optional<double> length(const YamlNode* node, double least, double most);
   std::optional<long long> integer(const YamlNode* node, long long least, long long most);
   std::optional<bool> boolean(const YamlNode* node);
   /// Not empty.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 #include <set>
 
 #include "core/io/files.h"
@@ -12,7 +13,7 @@
 namespace ca2 {
 namespace {
 
-constexpr double max_board_length = 100;  // m
+constexpr double max_board_length = 10;  // m
 constexpr long long max_board_count = 1000;
 constexpr std::size_t max_name_length = 64;
 
@@ -70,19 +71,40 @@ class RigParser {
     board.columns = count("columns");
     board.rows = count("rows");
     board.square =
-        reader_.number(reader_.require(*node, "square", "board"), 1e-4, max_board_length).value_or(0);
-    board.marker = reader_.number(node->find("marker"), 1e-4, max_board_length).value_or(0);
-    board.spacing = reader_.number(node->find("spacing"), 0, max_board_length).value_or(0);
+        reader_.length(reader_.require(*node, "square", "board"), 1e-4, max_board_length).value_or(0);
+    board.marker = reader_.length(node->find("marker"), 1e-4, max_board_length).value_or(0);
+    board.spacing = reader_.number(node->find("spacing"), 0, 100).value_or(0);
     board.dictionary = reader_.text(node->find("dictionary")).value_or(board.dictionary);
     outline(node->find("outline"));
     if (!board.type || reader_.problems().size() != problems_before) return;
     for (std::string& wrong : board.type->invalid(board)) reader_.problem(*node, std::move(wrong));
+    if (board.outline && reader_.problems().size() == problems_before) holds_pattern(*node->find("outline"));
+  }
+
+  /// A plate that the print does not fit on: mistaken sides, or squares counted for corners. Sheets may be
+  /// cut through the outer squares.
+  void holds_pattern(const YamlNode& node) {
+    const Board& board = rig_.board;
+    const Eigen::Vector2d pattern = board.type->pattern_size(board);
+    const Eigen::Vector2d plate(board.outline->width, board.outline->height);
+    const Eigen::Vector2d beyond = 0.5 * (pattern - plate) + board.outline->center.cwiseAbs();
+    if (beyond.maxCoeff() <= 0.5 * board.square) return;
+    const auto size = [](const Eigen::Vector2d& sides) {
+      char text[64];
+      std::snprintf(text, sizeof text, "%.3f x %.3f m", sides.x(), sides.y());
+      return std::string(text);
+    };
+    reader_.problem(node,
+                    "the print, " + size(pattern) + ", does not fit on this plate of " + size(plate) +
+                        (board.outline->center.isZero() ? "" : " with its centre"),
+                    "width is along the columns, height along the rows; center is how far the plate's lies "
+                    "from the print's; are columns and rows what docs/boards.md says?");
   }
 
   void outline(const YamlNode* node) {
     if (!reader_.map(node, "outline", {"width", "height", "center"})) return;
-    const auto width = reader_.number(reader_.require(*node, "width", "outline"), 1e-3, max_board_length);
-    const auto height = reader_.number(reader_.require(*node, "height", "outline"), 1e-3, max_board_length);
+    const auto width = reader_.length(reader_.require(*node, "width", "outline"), 1e-3, max_board_length);
+    const auto height = reader_.length(reader_.require(*node, "height", "outline"), 1e-3, max_board_length);
     const YamlNode* center_node = node->find("center");
     const auto center = reader_.numbers(center_node, 2, max_board_length);
     if (!width || !height || (center_node && !center)) return;

@@ -12,6 +12,7 @@
 #include "core/session/session.h"
 #include "drivers/recording/recording_reader.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/rig_doubts.h"
 #include "tools/sim/scenario_file.h"
 #include "tools/sim/truth_file.h"
 
@@ -102,7 +103,8 @@ Finding check_session(const fs::path& directory) {
     return finding;
   }
   finding.summary = std::to_string(session->views.size()) + " views; " + rig_text(session->rig);
-  finding.warnings = session->warnings;
+  finding.warnings = rig_doubts(session->rig, (directory / "session.yaml").string());
+  finding.warnings.insert(finding.warnings.end(), session->warnings.begin(), session->warnings.end());
   if (session->views.empty()) {
     finding.warnings.push_back({(directory / "views").string(), "there are no views yet", {}});
   }
@@ -160,7 +162,9 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
          [](const Recording& recording) { return rig_text(recording.rig); });
   } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml") {
     finding.kind = name == "session.yaml" ? "session.yaml" : "rig";
-    take(finding, parse_rig(text, file, {"software", "created"}), rig_text);
+    const Result<Rig> rig = parse_rig(text, file, {"software", "created"});
+    take(finding, rig, rig_text);
+    if (rig) finding.warnings = rig_doubts(*rig, file.string());
   } else {
     finding.kind = "camera intrinsics";
     take(finding, read_intrinsics(file), [](const Camera& camera) {

@@ -12,6 +12,7 @@
 #include "tools/ca2/id_list.h"
 #include "tools/ca2/print_calibration.h"
 #include "tools/ca2/progress.h"
+#include "tools/ca2/rig_doubts.h"
 #include "tools/sim/truth_file.h"
 
 namespace ca2 {
@@ -97,6 +98,7 @@ Result<int> solve_session(const SolveArguments& arguments) {
   }
   const Result<Session> session = open_session(arguments.session);
   if (!session) return fail(session.error());
+  print_warnings(rig_doubts(session->rig, (session->directory / "session.yaml").string()));
   print_warnings(session->warnings);
 
   Progress progress("finding the board");

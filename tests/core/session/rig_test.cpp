@@ -132,6 +132,24 @@ TEST(Rig, EveryProblemHasItsPlaceAndAHint) {
   expect_error("[1, 2]", "must be a mapping");
 }
 
+TEST(Rig, MillimetresAreToldFromMetres) {
+  expect_error(
+      with("square: 0.040", "square: 40"),
+      "rig.yaml:6:11: 'square' must be from 1e-04 to 10 m, not '40'; are these millimetres? Write 0.04");
+  expect_error(with("width: 0.420", "width: 420"), "are these millimetres? Write 0.42");
+  expect_error(with("height: 0.297", "height: 29700"), "must be from 0.001 to 10 m, not '29700'");
+}
+
+TEST(Rig, APlateThatThePrintDoesNotFitOnIsRefused) {
+  const std::string words = "rig.yaml:7:12: the print, 0.360 x 0.240 m, does not fit on this plate of ";
+  expect_error(with("width: 0.420, height: 0.297", "width: 0.297, height: 0.420"), words + "0.297 x 0.420 m");
+  expect_error(with("center: [0.001, -0.002]", "center: [0.1, 0]"), words);
+  expect_error(with("columns: 8\n  rows: 5", "columns: 5\n  rows: 8"),
+               "the print, 0.240 x 0.360 m, does not fit");
+  expect_error(with("width: 0.420, height: 0.297", "width: 0.330, height: 0.220"),
+               "no error");  // cut through squares
+}
+
 TEST(Rig, AllProblemsAreReportedAtOnce) {
   std::string text = with("columns: 8", "colums: 8");
   text.replace(text.find("0.040"), 5, "wide");

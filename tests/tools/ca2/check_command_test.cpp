@@ -79,6 +79,18 @@ TEST_F(CheckCommand, APipeThatNobodyWritesToIsToldAndNotWaitedFor) {
             65);
 }
 
+TEST_F(CheckCommand, AModelThatIsNotKnownIsDoubtedByCheckAndSolve) {
+  edit_rig("VLP-16", "VLP-61");
+  const std::string words =
+      "session.yaml: warning: puck: unknown LiDAR model 'VLP-61'; known models: OS0-32, ";
+  for (const fs::path& what : {session, session / "session.yaml"}) {
+    const Outcome check = run_ca2({"check", what});
+    EXPECT_EQ(check.status, 0) << "others' LiDARs may be calibrated, too";
+    EXPECT_NE(check.errors.find(words), std::string::npos) << check.errors;
+  }
+  EXPECT_NE(solve().errors.find(words), std::string::npos);
+}
+
 TEST_F(CheckCommand, ARecordingIsJudgedByWhatReplayingItReads) {
   const fs::path recording = folder / "recording";
   const fs::path pictures = recording / "cameras" / "front";

@@ -1,0 +1,16 @@
+/// @file What a rig says that cannot be meant, though nothing forbids it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/session/rig.h"
+#include "core/types/result.h"
+
+namespace ca2 {
+
+/// Warnings. A LiDAR's model that is not known here is none of the known ones', a slip of the pen included:
+/// what is known of a model's beams is not used then.
+std::vector<Problem> rig_doubts(const Rig& rig, const std::string& file);
+
+}  // namespace ca2
