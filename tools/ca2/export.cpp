@@ -58,18 +58,34 @@ Result<void> add_known(FrameGraph& frames, const Options& options) {
   return {};
 }
 
-Result<void> write_files(const ExportFiles& files, const fs::path& output) {
+/// The calibration, and a robot's description that is to get it, are not to be replaced by what is made of
+/// them.
+Result<void> write_file(const fs::path& file, const std::string& content,
+                        const std::vector<fs::path>& inputs) {
+  std::error_code error;
+  const bool input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& read) {
+    return fs::equivalent(file, read, error) && !error;
+  });
+  if (input) {
+    return fail(ErrorCode::cannot_create, file.string(), "is what this export was made of",
+                "--output names another file");
+  }
+  return write_atomically(file, content);
+}
+
+Result<void> write_files(const ExportFiles& files, const fs::path& output,
+                         const std::vector<fs::path>& inputs) {
   std::error_code error;
   // A name with an ending is a file where there is one file to write; else it is the directory of them.
   if (files.size() == 1 && output.has_extension() && !fs::is_directory(output, error)) {
-    const auto written = write_atomically(output, files.front().content);
+    const auto written = write_file(output, files.front().content, inputs);
     if (written) std::printf("%s\n", output.string().c_str());
     return written;
   }
   fs::create_directories(output, error);
   if (error) return fail(ErrorCode::cannot_create, output.string(), error.message());
   for (const ExportFile& file : files) {
-    const auto written = write_atomically(output / file.name, file.content);
+    const auto written = write_file(output / file.name, file.content, inputs);
     if (!written) return written;
     std::printf("%s\n", (output / file.name).string().c_str());
   }
@@ -111,8 +127,12 @@ Result<int> run_export(const Options& options) {
   if (!files) return fail(files.error());
   if (options.output.empty()) {
     print_files(*files);
-  } else if (const auto written = write_files(*files, options.output); !written) {
-    return fail(written.error());
+  } else {
+    std::vector<fs::path> inputs(options.via.begin(), options.via.end());
+    inputs.insert(inputs.end(), {file, session->directory / "session.yaml"});
+    if (const auto written = write_files(*files, options.output, inputs); !written) {
+      return fail(written.error());
+    }
   }
   return 0;
 }
@@ -132,9 +152,9 @@ CommandBody setup_export(CLI::App& app) {
   app.add_option("--format", options->format, "Which software is to read it, see below")
       ->required()
       ->check(CLI::IsMember(names));
-  app.add_option(
-         "--parent", options->parent,
-         "Sensor or frame the poses are relative to (default: the first camera; autoware: the first LiDAR)")
+  app.add_option("--parent", options->parent,
+                 "Sensor or frame the poses are relative to (default: the first camera; autoware: the first "
+                 "LiDAR). camera_info, kalibr, opencv: the camera to write (default: all)")
       ->type_name("FRAME");
   app.add_option("--child", options->children,
                  "Sensor or frame whose pose is wanted; may be repeated (default: all)")

@@ -98,14 +98,19 @@ Result<int> solve_session(const SolveArguments& arguments) {
   }
   const Result<Session> session = open_session(arguments.session);
   if (!session) return fail(session.error());
+  const std::filesystem::path output =
+      arguments.output.empty() ? session->directory / "result.yaml" : std::filesystem::path(arguments.output);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(output, session->directory / "session.yaml", ignored)) {
+    return fail(ErrorCode::cannot_create, output.string(), "is the rig that is to be solved",
+                "--output names another file");
+  }
   print_warnings(rig_doubts(session->rig, (session->directory / "session.yaml").string()));
   print_warnings(session->warnings);
 
   Progress progress("finding the board");
   extract.progress = [&](int done, int total) { progress.show(done, total); };
   const Result<Extraction> features = extract_features(*session, extract);
-  const std::filesystem::path output =
-      arguments.output.empty() ? session->directory / "result.yaml" : std::filesystem::path(arguments.output);
   if (!features) {
     if (features.error().code == ErrorCode::refused) set_aside(output);
     return fail(features.error());

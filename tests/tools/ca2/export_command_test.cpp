@@ -62,6 +62,29 @@ TEST_F(ExportCommand, RosPublishesTheTrueTransform) {
   expect_near(T, T_front_puck);
 }
 
+TEST_F(ExportCommand, ReplacesNothingThatItWasMadeOf) {
+  const fs::path robot = folder / "robot.urdf";
+  const std::string text =
+      R"(<robot name="r"><link name="base"/><link name="mount"/><joint name="j" type="fixed"><parent link="base"/>)"
+      R"(<child link="mount"/><origin xyz="0.1 0.2 0.3"/></joint></robot>)";
+  write_bytes(robot, text);
+  const auto refused = [&](const std::string& format, const std::vector<std::string>& options) {
+    const Outcome outcome = run(format, options);
+    EXPECT_EQ(outcome.status, 73) << outcome.output;
+    EXPECT_NE(outcome.errors.find("is what this export was made of; --output names another file"),
+              std::string::npos)
+        << outcome.errors;
+  };
+  refused("urdf", {"--via", robot, "--output", robot});
+  EXPECT_EQ(bytes_of(robot), text);
+  const std::string answer = bytes_of(result()), rig = bytes_of(session / "session.yaml");
+  refused("json", {"--output", result()});
+  refused("camera_info", {"--output", session / "session.yaml"});
+  EXPECT_EQ(solve({"--output", session / "session.yaml"}).status, 73);
+  EXPECT_EQ(bytes_of(result()), answer);
+  EXPECT_EQ(bytes_of(session / "session.yaml"), rig);
+}
+
 TEST_F(ExportCommand, ComposesThroughCameraLinkAndAFile) {
   // REP 103: a link looks along x; its optical frame is turned by roll -90, pitch 0, yaw -90 degrees.
   const Pose T_link_optical = Pose::from_quaternion(Eigen::Quaterniond(-0.5, 0.5, -0.5, 0.5), {0, 0, 0});
