@@ -6,6 +6,7 @@
 
 #include "ca2_version.h"
 #include "core/types/text.h"
+#include "daemon/capture/state_lock.h"
 #include "daemon/log.h"
 #include "daemon/notify.h"
 #include "daemon/sensors/ouster_metadata.h"
@@ -56,6 +57,9 @@ Result<void> Daemon::open() {
   auto door = SocketDoor::open(loop_, config_.options.control_socket, handler);
   if (!door) return fail(door.error());
   socket_door_ = std::move(*door);
+  auto state = lock_state(config_.options.state_directory);
+  if (!state) return fail(state.error());
+  state_ = std::move(*state);
   if (config_.options.lcm_enabled) {
     if (const auto opened = open_lcm(); !opened) return opened;
     if (auto keys = read_keys(config_.options.command_keys); !keys.empty()) {

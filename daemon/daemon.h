@@ -60,6 +60,7 @@ class Daemon {
   Heartbeats heartbeats_;
   std::shared_ptr<Heartbeat> loop_beat_;
   UniqueFd signals_;
+  UniqueFd state_;  ///< held: no other daemon's
 
   std::unique_ptr<lcm::LCM> lcm_;
   std::unique_ptr<LcmPublisher> publisher_;
