@@ -104,7 +104,8 @@ bool rings_by_index(const Scan& scan, RingIds& ids) {
 int slice_count(std::size_t returns, float field) {
   const double cell =
       1.5 * field * 2 * std::numbers::pi / static_cast<double>(std::max<std::size_t>(returns, 1));
-  return std::clamp(static_cast<int>(field / std::sqrt(2 * cell)), 8, 256);
+  const double slices = field > 0 ? field / std::sqrt(2 * cell) : 0;  // all may lie on one cone
+  return static_cast<int>(std::clamp(slices, 8.0, 256.0));
 }
 
 /// Elevations of the returns by bins.
