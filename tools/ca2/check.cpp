@@ -12,6 +12,7 @@
 #include "core/session/session.h"
 #include "drivers/recording/recording_reader.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/picture_corners.h"
 #include "tools/ca2/rig_doubts.h"
 #include "tools/sim/scenario_file.h"
 #include "tools/sim/truth_file.h"
@@ -54,15 +55,18 @@ std::string scan_text(const Scan& scan) {
   return text;
 }
 
+std::string board_text(const Board& board) {
+  return std::string(board.type->name()) + " " + std::to_string(board.columns) + " x " +
+         std::to_string(board.rows);
+}
+
 std::string rig_text(const Rig& rig) {
   const auto names = [](const auto& sensors) {
     std::string list;
     for (const auto& [name, sensor] : sensors) list += (list.empty() ? "" : " ") + name;
     return std::to_string(sensors.size()) + " (" + list + ")";
   };
-  return std::string(rig.board.type->name()) + " " + std::to_string(rig.board.columns) + " x " +
-         std::to_string(rig.board.rows) + ", cameras: " + names(rig.cameras) +
-         ", lidars: " + names(rig.lidars);
+  return board_text(rig.board) + ", cameras: " + names(rig.cameras) + ", lidars: " + names(rig.lidars);
 }
 
 template <class Value, class Describe>
@@ -160,6 +164,9 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
     finding.kind = "recording";
     take(finding, open_recording(file.parent_path()),
          [](const Recording& recording) { return rig_text(recording.rig); });
+  } else if (has("board") && root->items.size() == 1) {
+    finding.kind = "board";
+    take(finding, read_board(file), board_text);
   } else if (has("board") || has("cameras") || has("lidars") || name == "session.yaml") {
     finding.kind = name == "session.yaml" ? "session.yaml" : "rig";
     const Result<Rig> rig = parse_rig(text, file, {"software", "created"});
@@ -255,9 +262,9 @@ int run_check(const CheckOptions& options) {
 
 CommandBody setup_check(CLI::App& app) {
   auto options = std::make_shared<CheckOptions>();
-  app.add_option(
-         "FILE", options->files,
-         "Rig, session (directory or session.yaml), recording, result, scenario, PNG, PCD, camera intrinsics")
+  app.add_option("FILE", options->files,
+                 "Rig, board, session (directory or session.yaml), recording, result, scenario, PNG, PCD, "
+                 "camera intrinsics")
       ->required();
   app.add_flag("--json", options->json, "Print the findings as JSON");
   app.footer(

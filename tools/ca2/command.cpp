@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "ca2_version.h"
@@ -31,6 +32,29 @@ const std::vector<Command>& commands() {
 #undef CA2_COMMAND
   };
   return list;
+}
+
+/// "Example:" or "Examples:" with those of examples.def at the end of the help of a command and its own.
+void add_examples(CLI::App& app, const std::string& words) {
+  static constexpr std::pair<std::string_view, const char*> list[]{
+#define CA2_EXAMPLE(command, line) {command, line},
+#include "tools/ca2/examples.def"
+#undef CA2_EXAMPLE
+  };
+  std::string lines;
+  for (const auto& [command, line] : list) {
+    if (command != words) continue;
+    lines += (lines.empty() ? "  " : "\n  ") + std::string(line);
+  }
+  if (!lines.empty()) {
+    std::string before = app.get_footer();
+    while (!before.empty() && before.back() == '\n') before.pop_back();
+    if (!before.empty()) before += "\n\n";
+    app.footer(before + (lines.find('\n') == std::string::npos ? "Example:\n" : "Examples:\n") + lines);
+  }
+  for (CLI::App* below : app.get_subcommands({})) {
+    add_examples(*below, words.empty() ? below->get_name() : words + " " + below->get_name());
+  }
 }
 
 int report(const Error& error) {
@@ -60,6 +84,7 @@ int run(int argc, char** argv) {
   for (const Command& command : commands()) {
     bodies.push_back(command.setup(*app.add_subcommand(command.name, command.help)));
   }
+  add_examples(app, "");
   std::vector<std::string_view> names;
   for (const Command& command : commands()) names.emplace_back(command.name);
   if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end()) {
