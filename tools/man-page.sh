@@ -12,7 +12,7 @@ subcommands() { "$program" "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z
 # section COMMAND [SUBCOMMAND]: and those below it. The exit statuses have a section of their own.
 section() {
   printf '.SS "ca2 %s"\n.nf\n' "$*"
-  "$program" "$@" --help | sed '/^Exit status:/,$d' | roff
+  "$program" "$@" --help | sed '/^Exit status:/,/^$/d' | roff
   printf '.fi\n'
   for below in $(subcommands "$@"); do section "$@" "$below"; done
 }

@@ -47,6 +47,7 @@ examine() {  # examine [COMMAND [SUBCOMMAND]]
     for option in $options; do
       [[ $section =~ [\ ,]$option[\ $'\n'] ]] || fail "ca2(1) lacks ca2 $* $option"
     done
+    [[ $help != *$'\nExample'* || $section == *$'\nExample'* ]] || fail "ca2(1) lacks the examples of ca2 $*"
   fi
   words=$(offered ca2 "$@" "")
   for below in $(sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p' <<<"$help"); do

@@ -37,7 +37,7 @@ const std::vector<Command>& commands() {
 /// "Example:" or "Examples:" with those of examples.def at the end of the help of a command and its own.
 void add_examples(CLI::App& app, const std::string& words) {
   static constexpr std::pair<std::string_view, const char*> list[]{
-#define CA2_EXAMPLE(command, line) {command, line},
+#define CA2_EXAMPLE(line, command) {command, line},
 #include "tools/ca2/examples.def"
 #undef CA2_EXAMPLE
   };

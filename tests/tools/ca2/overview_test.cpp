@@ -45,7 +45,7 @@ struct Example {
   std::string command, line;
 };
 const std::vector<Example> examples{
-#define CA2_EXAMPLE(command, line) {command, line},
+#define CA2_EXAMPLE(line, command) {command, line},
 #include "tools/ca2/examples.def"
 #undef CA2_EXAMPLE
 };
