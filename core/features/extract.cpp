@@ -4,6 +4,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/features/other_counts.h"
 #include "core/features/search.h"
 #include "core/intrinsics/estimate_intrinsics.h"
 
@@ -98,6 +99,18 @@ class Assembly {
     }
   }
 
+  std::string hint_for_camera(const std::string& name) const {
+    const Board& board = result_.rig.board;
+    const std::optional<OtherCounts> other = find_other_counts(board, files_, name);
+    if (!other) return "is it the board of the rig (type, columns, rows), and whole in the picture?";
+    const auto text = [](int columns, int rows) {
+      return std::to_string(columns) + " x " + std::to_string(rows);
+    };
+    return "one of " + text(other->columns, other->rows) + " inner corners is in " + other->picture.string() +
+           ", the rig says " + text(board.columns, board.rows) +
+           ": columns and rows count inner corners, not squares";
+  }
+
   /// A sensor that never saw the board cannot be calibrated, and its name says more than what the solver
   /// could.
   std::optional<Error> find_blind_sensors() {
@@ -121,9 +134,8 @@ class Assembly {
         blind.push_back({name, "none of its " + std::to_string(all) + " " + files + " can be used", {}});
       } else {
         blind.push_back({name, "the board was found in none of its " + std::to_string(all) + " " + files,
-                         is_camera
-                             ? "is it the board of the rig (type, columns, rows), and whole in the picture?"
-                             : "does it have the size that the rig says, and stand free of walls?"});
+                         is_camera ? hint_for_camera(name)
+                                   : "does it have the size that the rig says, and stand free of walls?"});
       }
     };
     for (const auto& [name, camera] : result_.rig.cameras) look_at(name, true);

@@ -23,6 +23,10 @@ double correction(const Camera& given, const Camera& estimated, const std::vecto
   return most;
 }
 
+const char* size_word(double stretch) {
+  return stretch < 0 ? "smaller" : "larger";
+}
+
 }  // namespace
 
 std::vector<std::string> correction_notes(const Rig& rig, const std::vector<ViewSights>& views,
@@ -38,11 +42,12 @@ std::vector<std::string> correction_notes(const Rig& rig, const std::vector<View
         name.c_str(), correction(*camera.intrinsics, answer.state.cameras[i], views, i)));
   }
   if (print.estimated) {
-    notes.push_back(formatted(
-        "the corners contradict the size of the print: it is larger than stated by %.2f +- %.2f %% along x "
-        "and "
-        "%.2f +- %.2f %% along y; measure it",
-        100 * print.stretch.x(), 100 * print.sigma.x(), 100 * print.stretch.y(), 100 * print.sigma.y()));
+    notes.push_back(
+        formatted("the corners contradict the size of the print: it is %.2f +- %.2f %% %s than stated along "
+                  "x and %.2f +- "
+                  "%.2f %% %s along y; measure it",
+                  100 * std::abs(print.stretch.x()), 100 * print.sigma.x(), size_word(print.stretch.x()),
+                  100 * std::abs(print.stretch.y()), 100 * print.sigma.y(), size_word(print.stretch.y())));
   }
   if (answer.rims_off) {
     std::string note =

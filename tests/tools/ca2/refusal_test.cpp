@@ -123,6 +123,18 @@ TEST_F(Refusal, OneOfTwoCamerasThatNeverSawTheBoardIsNamed) {
   expect_failure(solve(), 1, "right: the board was found in none of its 8 pictures");
 }
 
+TEST_F(Refusal, SquaresCountedForInnerCornersAreToldFromWhatThePicturesShow) {
+  edit_rig("columns: 8", "columns: 9");
+  edit_rig("rows: 5", "rows: 6");
+  expect_failure(solve(), 1,
+                 "front: the board was found in none of its 8 pictures; one of 8 x 5 inner corners is in ");
+  expect_failure(solve(), 1,
+                 "/000001/front.png, the rig says 9 x 6: columns and rows count inner corners, not squares");
+  edit_rig("rows: 6", "rows: 3");
+  expect_failure(solve(), 1,
+                 "pictures; is it the board of the rig (type, columns, rows), and whole in the picture?");
+}
+
 /// Whatever state a session is in, the report says what is missing.
 TEST_F(Refusal, ReportsOfUnfinishedAndBrokenSessions) {
   const auto page = [&] { return bytes_of(session / "report" / "index.html"); };
