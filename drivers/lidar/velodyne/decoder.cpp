@@ -10,6 +10,8 @@ using P = VelodynePacket;
 
 /// s per block of an HDL-64E S1, from its packet rate; its time stamps come from the host.
 constexpr double untimed_cycle = 32e-6;
+/// Of an HDL-32E, and of a VLP-16 with firmware of 2014.
+constexpr std::uint8_t shared_product_id = 0x21;
 /// 0.01 degree per second at 10 Hz, until the packets tell.
 constexpr double usual_rate = 360000;
 
@@ -50,6 +52,12 @@ void VelodyneDecoder::push(const Datagram& datagram, LidarCounters& counters, co
     ++counters.unknown_return_mode;
     return;
   }
+  const bool shared_number = P::product_id(packet) == 0 || P::product_id(packet) == shared_product_id;
+  if (shared_number && *layout != VelodyneLayout::apart && !model_.product_ids.empty() &&
+      pace_.other_model(P::timestamp(packet), velodyne_cycles(model_, *layout) * cycle_)) {
+    ++counters.other_sensor;
+    return;
+  }
   // The layout of a packet that waited is looked up again: the return mode may change on the fly.
   const auto next = [&](const OrderedPacket& ordered) {
     take(ordered, *find_velodyne_layout(model_, ordered.bytes), counters, sink);
@@ -62,6 +70,7 @@ void VelodyneDecoder::push(const Datagram& datagram, LidarCounters& counters, co
 }
 
 void VelodyneDecoder::flush(LidarCounters& counters, const LidarSink& sink) {
+  if (pace_.other_model()) return;  // what was begun is no scan of this sensor
   order_.flush(counters, [&](const OrderedPacket& ordered) {
     take(ordered, *find_velodyne_layout(model_, ordered.bytes), counters, sink);
   });

@@ -5,6 +5,7 @@
 
 #include "drivers/lidar/packet_decoder.h"
 #include "drivers/lidar/velodyne/packet_order.h"
+#include "drivers/lidar/velodyne/packet_pace.h"
 #include "drivers/lidar/velodyne/projection.h"
 #include "drivers/lidar/velodyne/scan_cutter.h"
 #include "drivers/lidar/velodyne/streamed_calibration.h"
@@ -40,6 +41,7 @@ class VelodyneDecoder : public PacketDecoder {
   VelodyneOptions options_;
   std::optional<VelodyneProjection> projection_;
   StreamedCalibration streamed_;
+  VelodynePacketPace pace_;
   VelodynePacketOrder order_;
   VelodyneScanCutter cutter_;
 

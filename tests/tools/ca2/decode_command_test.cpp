@@ -48,11 +48,19 @@ class DecodeCommand : public testing::Test {
 
   /// A wall of returns that get further by a step from ring to ring.
   static std::vector<EncodedPacket> puck_packets(int scans) {
-    const VelodyneModel& model = *(*find_lidar_model("VLP-16"))->velodyne();
-    VelodyneEncoder encoder(model, model.factory, {});
+    return velodyne_packets("VLP-16", 0, 1808, scans);
+  }
+
+  static std::vector<EncodedPacket> velodyne_packets(const char* name, std::uint8_t product_id, int columns,
+                                                     int scans) {
+    const VelodyneModel& model = *(*find_lidar_model(name))->velodyne();
+    VelodyneEncoding encoding;
+    encoding.product_id = product_id;
+    VelodyneEncoder encoder(model, model.factory, encoding);
     std::vector<EncodedPacket> packets;
     for (int i = 0; i < scans; ++i) {
-      for (auto& packet : encoder.push(scan(16, 1808, 1'700'000'000'000'000'000 + i * 100'000'000))) {
+      const std::int64_t start = 1'700'000'000'000'000'000 + i * 100'000'000;
+      for (auto& packet : encoder.push(scan(model.lasers, columns, start))) {
         packets.push_back(std::move(packet));
       }
     }
@@ -165,6 +173,28 @@ TEST_F(DecodeCommand, TwoSensorsOnOnePortAreNotWovenIntoOne) {
   std::vector<std::string> asked = decode;
   asked.insert(asked.end(), {"--source", "192.0.2.7"});
   EXPECT_EQ(run_ca2(asked).errors, "") << "the others are left out on purpose";
+}
+
+TEST_F(DecodeCommand, ModelsThatShareANumberAreToldApartByTheirPace) {
+  const auto scans = [&](const char* model) {
+    const Outcome run =
+        run_ca2({"decode", folder / "in.pcap", "--model", model, "--output", folder / "out", "--json"});
+    EXPECT_EQ(run.status, run.errors.empty() ? 0 : 65) << run.errors;
+    return nlohmann::json::parse(run.output)["scans"].get<int>();
+  };
+  std::vector<EncodedPacket> packets = velodyne_packets("HDL-32E", 0x21, 2170, 3);
+  write_capture(packets, 2368);
+  EXPECT_EQ(scans("HDL-32E"), 3);
+  EXPECT_EQ(scans("VLP-16"), 0);
+  packets = velodyne_packets("VLP-16", 0x21, 1808, 3);
+  write_capture(packets, 2368);
+  EXPECT_EQ(scans("VLP-16"), 3);
+  EXPECT_EQ(scans("HDL-32E"), 0);
+  // Half of the packets lost: gaps are no pace.
+  for (std::size_t i = 0; i < packets.size(); ++i) packets.erase(packets.begin() + static_cast<long>(i));
+  write_capture(packets, 2368);
+  EXPECT_EQ(scans("VLP-16"), 3);
+  EXPECT_EQ(scans("HDL-32E"), 0);
 }
 
 TEST_F(DecodeCommand, ACaptureThatEndsInARecordIsSaidToAndOneOfAnotherSensorLeavesEarlierRowsAlone) {

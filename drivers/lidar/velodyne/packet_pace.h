@@ -1,0 +1,34 @@
+/// @file Tells models that share a product number apart, by the pace of their packets.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace ca2 {
+
+/// An HDL-32E's number is that of a VLP-16 with firmware of 2014 too. What is read as the other one has
+/// packets 0.42 or 2.4 times its own period apart; packets that are lost make whole multiples.
+class VelodynePacketPace {
+ public:
+  /// `stamp`: us within the hour; `period`: s that a packet of the model covers. True from when the packets
+  /// are another model's beyond doubt.
+  bool other_model(std::uint32_t stamp, double period) {
+    const auto apart = static_cast<std::int64_t>(stamp) - last_;
+    const bool first = last_ < 0;
+    last_ = stamp;
+    const double periods = static_cast<double>(apart) / (1e6 * period);
+    if (other_ || first || apart <= 0 || periods > 8) return other_;
+    const bool fits = periods > 0.5 && std::abs(periods - std::round(periods)) < 0.15;
+    ++(fits ? fitting_ : strange_);
+    other_ = strange_ >= 4 && strange_ > 4 * fitting_;
+    return other_;
+  }
+  bool other_model() const { return other_; }
+
+ private:
+  std::int64_t last_ = -1;
+  std::int64_t fitting_ = 0, strange_ = 0;
+  bool other_ = false;
+};
+
+}  // namespace ca2
