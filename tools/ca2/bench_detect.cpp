@@ -1,4 +1,4 @@
-/// `ca2 bench detect`: our search for a board against OpenCV's, board present and absent.
+/// `ca2 bench detect`: our search for a board against OpenCV's and libapriltag's, board present and absent.
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -230,9 +230,11 @@ Result<int> bench_detect(const BenchOptions& options) {
         "CPU ms per picture, median / worst, one thread. Ours: find, find + refine. OpenCV: a "
         "checkerboard's\n"
         "sector-based search (exhaustive) and default one (+: stopped at %d s), a ChArUco's markers and the\n"
-        "corners between them. Ratios are of find's sum over theirs, on the first %zu pictures (a fifth of "
-        "it\n"
-        "where no board is): the last columns count what ours found in all, and ours and theirs on those.\n",
+        "corners between them; libapriltag: an AprilGrid's tags. Ratios are of find's sum over theirs, on "
+        "the\n"
+        "first %zu pictures (a fifth of it where no board is): the last columns count what ours found in "
+        "all,\n"
+        "and ours and theirs on those.\n",
         peer_limit_s, peer_pictures);
   }
   nlohmann::json rows = nlohmann::json::array();

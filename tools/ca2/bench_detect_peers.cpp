@@ -1,5 +1,10 @@
 #include "tools/ca2/bench_detect_peers.h"
 
+extern "C" {
+#include <apriltag/apriltag.h>
+#include <apriltag/tag36h11.h>
+}
+
 #include <opencv2/calib3d.hpp>
 
 #ifdef CA2_WITH_CHARUCO
@@ -42,6 +47,31 @@ bool markers(const Board& board, const Image& grey8) {
 }
 #endif
 
+/// libapriltag, told that an AprilGrid's tags have a border of two cells and not of one. Two tags: eight
+/// corners.
+bool tags(const Board& board, const Image& grey8) {
+  apriltag_family_t* const family = tag36h11_create();
+  family->width_at_border += 2;
+  family->total_width += 2;
+  for (std::uint32_t i = 0; i < family->nbits; ++i) ++family->bit_x[i], ++family->bit_y[i];
+  apriltag_detector_t* const detector = apriltag_detector_create();
+  detector->nthreads = 1;
+  detector->quad_decimate = 1;
+  apriltag_detector_add_family_bits(detector, family, 1);
+  image_u8_t view{grey8.width, grey8.height, grey8.width, const_cast<std::uint8_t*>(grey8.bytes.data())};
+  zarray_t* const detections = apriltag_detector_detect(detector, &view);
+  int count = 0;
+  for (int i = 0; i < zarray_size(detections); ++i) {
+    apriltag_detection_t* detection = nullptr;
+    zarray_get(detections, i, &detection);
+    count += detection->id < board.columns * board.rows ? 1 : 0;
+  }
+  apriltag_detections_destroy(detections);
+  apriltag_detector_destroy(detector);
+  tag36h11_destroy(family);
+  return count >= 2;
+}
+
 }  // namespace
 
 std::vector<PeerSearch> peer_searches(const Board& board) {
@@ -51,6 +81,7 @@ std::vector<PeerSearch> peer_searches(const Board& board) {
 #ifdef CA2_WITH_CHARUCO
   if (board.type->name() == "charuco") return {{"markers", markers}};
 #endif
+  if (board.type->name() == "aprilgrid") return {{"libapriltag", tags}};
   return {};
 }
 

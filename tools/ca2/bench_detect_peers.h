@@ -15,7 +15,7 @@ struct PeerSearch {
   bool endless = false;  ///< may take minutes on texture
 };
 
-/// OpenCV's, by the type of the board; none for a board that is found by a library of others anyway.
+/// OpenCV's or libapriltag's, by the type of the board.
 std::vector<PeerSearch> peer_searches(const Board& board);
 
 }  // namespace ca2

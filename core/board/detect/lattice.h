@@ -28,6 +28,9 @@ struct Squares {
   /// Of a square's side: what is plain along its edges, where the edges are looked at.
   double plain = 0.36;
   Rings rings = Rings::usual;
+  double gap = 0;  ///< between tags, in their sides; 0: a chessboard, whose squares are alike
+
+  bool tags() const { return gap > 0; }
 };
 
 /// Which saddles are next to each other on a chessboard: for each and each slot the index of the neighbour
@@ -55,14 +58,36 @@ struct Node {
 /// A connected piece of a chessboard. Ordered by cell: iteration is deterministic.
 using Lattice = std::map<Cell, Node>;
 
+/// Where the lines of corners lie. Those of a chessboard are one apart; on a grid of tags, whose corners are
+/// a chessboard's with every second row and column of squares narrower, a tag is 1 wide and a gap `gap`.
+struct Lines {
+  double gap = 1;
+  Cell first{0, 0};  ///< a tag or white square: it lies beyond these lines along both axes
+
+  Eigen::Vector2d place(const Cell& cell) const {
+    return {along(cell.first - first.first), along(cell.second - first.second)};
+  }
+
+ private:
+  double along(int line) const {
+    const int odd = line & 1;
+    return (line - odd) / 2 * (1 + gap) + odd;
+  }
+};
+
 /// The pieces with at least `least` corners, largest first, at most `most` of them.
 std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
                                         const std::vector<std::array<int, 4>>& links, std::size_t least,
                                         std::size_t most);
 
+/// The ways to take a lattice for a piece of such a board: one of a chessboard's. On a grid of tags the
+/// squares in the gaps are as black, and only smaller.
+std::vector<Lines> possible_lines(const Lattice& lattice, const Squares& squares);
+
 /// Looks for the corners missing in and around a lattice where its neighbours predict them, until nothing is
 /// added or it has more than `most` corners.
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, const Squares& squares);
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, const Squares& squares,
+          const Lines& lines = {});
 
 /// Makes one of pieces that go on in each other across a gap of a few squares, so far apart as no lattice
 /// grows where single corners cannot be told. Only what is made of several is returned.

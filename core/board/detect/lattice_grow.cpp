@@ -39,7 +39,7 @@ struct Prediction {
   double pitch = 1e9;  ///< px, the shorter side of the squares here
 };
 
-std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell) {
+std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell, const Lines& lines) {
   Prediction result;
   double weight = 0;
   const auto vote = [&](double w, const Eigen::Vector2d& pixel, double side) {
@@ -51,23 +51,35 @@ std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell) {
     const Node* node = node_at(lattice, c);
     return node != nullptr ? &node->saddle.pixel : nullptr;
   };
+  const auto distance = [&](const Cell& to) { return (lines.place(to) - lines.place(cell)).sum(); };
   for (int k = 0; k < 4; ++k) {
     const Cell& axis = axes[k];
     const Cell& next = axes[(k + 1) % 4];
     const Eigen::Vector2d* one = pixel(cell + axis);
     if (one == nullptr) continue;
+    const double a = distance(cell + axis);
     const Eigen::Vector2d* two = pixel(cell + axis + axis);
     if (two != nullptr) {
+      // Through the corners as a line and as a parabola goes.
+      const double b = distance(cell + axis + axis);
+      const Eigen::Vector2d slope = (*two - *one) / (b - a);
       const Eigen::Vector2d* three = pixel(cell + axis + axis + axis);
+      const double side = std::abs(a) * slope.norm();
       if (three != nullptr) {
-        vote(2, 3 * (*one - *two) + *three, (*one - *two).norm());
+        const double c = distance(cell + axis + axis + axis);
+        const Eigen::Vector2d bend = ((*three - *two) / (c - b) - slope) / (c - a);
+        vote(2, *one - a * slope + a * b * bend, side);
       } else {
-        vote(1, 2 * *one - *two, (*one - *two).norm());
+        vote(1, *one - a * slope, side);
       }
     }
     if (k < 2) {
       const Eigen::Vector2d* behind = pixel(cell + -axis);
-      if (behind != nullptr) vote(4, 0.5 * (*one + *behind), 0.5 * (*one - *behind).norm());
+      if (behind != nullptr) {
+        const double b = distance(cell + -axis);
+        const Eigen::Vector2d slope = (*behind - *one) / (b - a);
+        vote(4, *one - a * slope, std::min(std::abs(a), std::abs(b)) * slope.norm());
+      }
     }
     const Eigen::Vector2d* side = pixel(cell + next);
     const Eigen::Vector2d* corner = pixel(cell + axis + next);
@@ -82,8 +94,8 @@ std::optional<Prediction> predict(const Lattice& lattice, const Cell& cell) {
 
 /// The corner at an empty cell, if the picture has one there that fits all its neighbours.
 std::optional<Node> find_corner(const std::vector<SaddleLevel>& levels, const Lattice& lattice,
-                                const Cell& cell, const Squares& squares) {
-  const auto prediction = predict(lattice, cell);
+                                const Cell& cell, const Squares& squares, const Lines& lines) {
+  const auto prediction = predict(lattice, cell, lines);
   if (!prediction) return std::nullopt;
   int level = 0;
   double strength = 0;
@@ -159,8 +171,8 @@ std::vector<Lattice> connected_lattices(const std::vector<Saddle>& saddles,
   return lattices;
 }
 
-void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most,
-          const Squares& squares) {
+void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t most, const Squares& squares,
+          const Lines& lines) {
   for (bool added = true; added && lattice.size() <= most;) {
     added = false;
     std::set<Cell> frontier;
@@ -171,7 +183,7 @@ void grow(const std::vector<SaddleLevel>& levels, Lattice& lattice, std::size_t 
     }
     for (const Cell& cell : frontier) {
       if (lattice.size() > most) break;
-      if (const auto node = find_corner(levels, lattice, cell, squares)) {
+      if (const auto node = find_corner(levels, lattice, cell, squares, lines)) {
         lattice[cell] = *node;
         added = true;
       }

@@ -21,7 +21,7 @@ Eigen::Matrix<double, 6, 1> powers(double u, double v) {
 
 }  // namespace
 
-PrintPiece print_piece(const Lattice& lattice) {
+PrintPiece print_piece(const Lattice& lattice, const Squares& squares, const Lines& lines) {
   double sense = 0;
   for (const auto& [cell, node] : lattice) {
     const auto right = lattice.find(cell + Cell{1, 0});
@@ -31,14 +31,12 @@ PrintPiece print_piece(const Lattice& lattice) {
     const Eigen::Vector2d y = down->second.saddle.pixel - node.saddle.pixel;
     sense += x.x() * y.y() - x.y() * y.x() > 0 ? 1 : -1;
   }
-  const int flip = sense < 0 ? -1 : 1;
-  PrintPiece piece;
-  for (const auto& [cell, node] : lattice) {
-    const Cell at{cell.first, flip * cell.second};
-    piece.corners[at] = node.saddle.pixel;
-    const Cell bright = node.step[0] + node.step[1];
-    piece.first_white = (bright.first == flip * bright.second) == ((at.first + at.second) % 2 == 0);
-  }
+  const bool flip = sense < 0;
+  PrintPiece piece{{}, lines, squares.tags()};
+  // What lies between two lines lies between the same two from the other side.
+  if (flip) piece.lines.first.second = -lines.first.second - 1;
+  for (const auto& [cell, node] : lattice)
+    piece.corners[{cell.first, flip ? -cell.second : cell.second}] = node.saddle.pixel;
   return piece;
 }
 
@@ -63,7 +61,8 @@ std::optional<PrintSquare> print_square(const PrintPiece& piece, const Cell& cel
       if (corner == piece.corners.end()) continue;
       if (origin == nullptr) origin = &corner->second;
       const Eigen::Vector2d p = corner->second - *origin;
-      const double u = i - 0.5, v = j - 0.5;
+      const Eigen::Vector2d middle = piece.lines.place(cell + Cell{i, j}) - piece.lines.place(cell);
+      const double u = middle.x() - 0.5, v = middle.y() - 0.5;
       const double weight = 1 / ((u * u + v * v) * (u * u + v * v));
       const Eigen::Matrix<double, 6, 1> place = powers(u, v);
       plane += weight * place.head<3>() * place.head<3>().transpose();
@@ -86,11 +85,11 @@ std::optional<PrintSquare> print_square(const PrintPiece& piece, const Cell& cel
   return PrintSquare(*origin, information.ldlt().solve(right));
 }
 
-std::vector<Cell> white_squares(const PrintPiece& piece) {
+std::vector<Cell> printed_squares(const PrintPiece& piece) {
   std::set<Cell> squares;
   for (const auto& [cell, pixel] : piece.corners) {
     for (const Cell& beside : {Cell{0, 0}, Cell{-1, 0}, Cell{0, -1}, Cell{-1, -1}}) {
-      if (piece.white(cell + beside)) squares.insert(cell + beside);
+      if (piece.printed(cell + beside)) squares.insert(cell + beside);
     }
   }
   return {squares.begin(), squares.end()};

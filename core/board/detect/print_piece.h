@@ -1,4 +1,4 @@
-/// @file A piece of chessboard whose white squares are to be read.
+/// @file A piece of chessboard whose squares are to be read: a ChArUco's white ones, or an AprilGrid's tags.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,12 +14,16 @@ namespace ca2 {
 /// both axes.
 struct PrintPiece {
   std::map<Cell, Eigen::Vector2d> corners;  ///< px
-  bool first_white = false;                 ///< the square of cell (0, 0)
+  Lines lines;                              ///< the square of lines.first is printed on
+  bool tags = false;                        ///< is every second in a row and column, or else every white one?
 
-  bool white(const Cell& cell) const { return first_white == ((cell.first + cell.second) % 2 == 0); }
+  bool printed(const Cell& cell) const {
+    const int i = cell.first - lines.first.first, j = cell.second - lines.first.second;
+    return tags ? i % 2 == 0 && j % 2 == 0 : (i + j) % 2 == 0;
+  }
 };
 
-PrintPiece print_piece(const Lattice& lattice);
+PrintPiece print_piece(const Lattice& lattice, const Squares& squares, const Lines& lines);
 
 /// Where the points of one square, 0..1 along its sides, are in the picture.
 class PrintSquare {
@@ -40,7 +44,7 @@ class PrintSquare {
 /// has most of its squares round them.
 std::optional<PrintSquare> print_square(const PrintPiece& piece, const Cell& cell);
 
-/// The white squares that touch a piece's corners.
-std::vector<Cell> white_squares(const PrintPiece& piece);
+/// The printed squares that touch a piece's corners.
+std::vector<Cell> printed_squares(const PrintPiece& piece);
 
 }  // namespace ca2

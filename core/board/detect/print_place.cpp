@@ -41,16 +41,20 @@ Cell PrintPlace::corner(const Cell& cell) const {
 }
 
 PrintMap::PrintMap(const Board& board, const SquarePrint& print)
-    : columns_(board.columns), rows_(board.rows), print_(print) {
+    : columns_(print.tags() ? 2 * board.columns + 1 : board.columns),
+      rows_(print.tags() ? 2 * board.rows + 1 : board.rows),
+      print_(print) {
+  const Lines lines{print.tags() ? print.gap : 1, print.tags() ? Cell{1, 1} : Cell{1, 0}};
+  const Eigen::Vector2d middle = 0.5 * (lines.place({0, 0}) + lines.place({columns_, rows_}));
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       Fields fields;
-      if ((column + row) % 2 != 0) {
+      if (print.tags() ? column % 2 != 0 && row % 2 != 0 : (column + row) % 2 != 0) {
         fields.resize(print.cells, print.cells);
         for (int j = 0; j < print.cells; ++j) {
           for (int i = 0; i < print.cells; ++i) {
-            const Eigen::Vector2d at(column - 0.5 * columns_ + field_middle(print, i),
-                                     row - 0.5 * rows_ + field_middle(print, j));
+            const Eigen::Vector2d at = lines.place({column, row}) - middle +
+                                       Eigen::Vector2d(field_middle(print, i), field_middle(print, j));
             fields(j, i) = board.type->black(board, at * board.square) ? 0 : 1;
           }
         }
@@ -64,7 +68,7 @@ PrintMap::PrintMap(const Board& board, const SquarePrint& print)
 
 std::vector<PrintMap::Seen> PrintMap::seen_in(const PrintPiece& piece, const Image& grey8) const {
   std::vector<Seen> seen;
-  for (const Cell& cell : white_squares(piece)) {
+  for (const Cell& cell : printed_squares(piece)) {
     const auto shown = print_square(piece, cell);
     if (!shown) continue;
     Seen square{cell, Fields(print_.cells, print_.cells)};
@@ -91,8 +95,8 @@ PrintMap::Match PrintMap::match(const std::vector<Seen>& seen, const PrintPlace&
     const Cell a = place.corner(square.cell), b = place.corner(square.cell + Cell{1, 1});
     const int column = std::min(a.first, b.first) + 1, row = std::min(a.second, b.second) + 1;
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) continue;
-    const Fields& fields =
-        printed_[static_cast<std::size_t>(place.turns)][static_cast<std::size_t>(row * columns_ + column)];
+    const Fields& fields = printed_[static_cast<std::size_t>((place.turns + place.own_turns) % 4)]
+                                   [static_cast<std::size_t>(row * columns_ + column)];
     if (fields.size() == 0) return {};
     product += square.fields.cwiseProduct(fields).sum();
     seen_squares += square.fields.squaredNorm();
@@ -125,18 +129,20 @@ std::optional<PrintPlace> PrintMap::place_of(const PrintPiece& piece, const Imag
     }
     for (int y = -high.second; y <= rows_ - 2 - low.second; ++y) {
       for (int x = -high.first; x <= columns_ - 2 - low.first; ++x) {
-        const PrintPlace place{turns, {x, y}};
+        PrintPlace place{turns, {x, y}};
         const auto inside = std::count_if(piece.corners.begin(), piece.corners.end(), [&](const auto& entry) {
           return on_board(place.corner(entry.first));
         });
         if (static_cast<double>(inside) < least_inside * size) continue;
-        const Match found = match(seen, place);
-        if (found.sigmas > best_match.sigmas) {
-          second = best_match.sigmas;
-          best_match = found;
-          best = place;
-        } else {
-          second = std::max(second, found.sigmas);
+        for (; place.own_turns < (print_.tags() ? 4 : 1); ++place.own_turns) {
+          const Match found = match(seen, place);
+          if (found.sigmas > best_match.sigmas) {
+            second = best_match.sigmas;
+            best_match = found;
+            best = place;
+          } else {
+            second = std::max(second, found.sigmas);
+          }
         }
       }
     }

@@ -17,6 +17,7 @@ namespace ca2 {
 struct PrintPlace {
   int turns = 0;
   Cell offset;
+  int own_turns = 0;  ///< of every print in its square: generators of tags differ
 
   Cell corner(const Cell& cell) const;
 };
@@ -36,6 +37,7 @@ class PrintMap {
   /// Of a piece: a larger chessboard is another one.
   std::size_t most_corners() const;
 
+  int corner_columns() const { return columns_ - 1; }
   bool on_board(const Cell& corner) const {
     return corner.first >= 0 && corner.second >= 0 && corner.first < columns_ - 1 &&
            corner.second < rows_ - 1;
@@ -54,7 +56,7 @@ class PrintMap {
   std::vector<Seen> seen_in(const PrintPiece& piece, const Image& grey8) const;
   Match match(const std::vector<Seen>& seen, const PrintPlace& place) const;
 
-  int columns_;  ///< of squares
+  int columns_;  ///< of squares, those in a grid's gaps and round it too
   int rows_;
   SquarePrint print_;
   std::array<std::vector<Fields>, 4> printed_;  ///< as a piece shows it that is turned so

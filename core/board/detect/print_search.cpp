@@ -47,25 +47,30 @@ class PlacedCorners {
 
 std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, const Image& grey8) {
   if (grey8.empty()) return {};
-  const Squares squares{std::min(Squares{}.plain, print.plain), Rings::small};
+  const Squares squares{std::min(Squares{}.plain, print.plain), Rings::small, print.gap};
   const std::vector<SaddleLevel> levels = saddle_levels(grey8);
   const std::vector<Saddle> saddles = strongest_saddles(levels, squares.rings);
   const PrintMap map(board, print);
-  PlacedCorners placed(board.columns - 1);
-  const auto place = [&](std::vector<Lattice>& pieces) {
-    for (Lattice& lattice : pieces) grow(levels, lattice, map.most_corners(), squares);
-    std::erase_if(pieces, [&](const Lattice& lattice) { return lattice.size() > map.most_corners(); });
-    for (const Lattice& lattice : pieces) {
-      const PrintPiece piece = print_piece(lattice);
-      if (const auto there = map.place_of(piece, grey8)) placed.add(map, piece, *there);
+  PlacedCorners placed(map.corner_columns());
+  // All of them first, for they may go on in each other.
+  const auto place = [&](const std::vector<Lattice>& pieces) {
+    std::vector<Lattice> all;
+    for (const Lattice& piece : pieces) {
+      for (const Lines& lines : possible_lines(piece, squares)) {
+        Lattice lattice = piece;
+        grow(levels, lattice, map.most_corners(), squares, lines);
+        if (lattice.size() > map.most_corners()) continue;
+        const PrintPiece shown = print_piece(lattice, squares, lines);
+        if (const auto there = map.place_of(shown, grey8)) placed.add(map, shown, *there);
+        all.push_back(std::move(lattice));
+      }
     }
+    return all;
   };
-  std::vector<Lattice> pieces =
-      connected_lattices(saddles, link_neighbours(levels, saddles, squares), least_corners, most_pieces);
-  place(pieces);
-  // Squares of 10 px and less leave a board in pieces, of which none shows enough of the print.
-  std::vector<Lattice> merged = merged_pieces(std::move(pieces));
-  place(merged);
+  const std::vector<Lattice> grown = place(
+      connected_lattices(saddles, link_neighbours(levels, saddles, squares), least_corners, most_pieces));
+  // Squares of 10 px and less leave a chessboard in pieces, of which none shows enough of the print.
+  if (!print.tags()) place(merged_pieces(grown));
   return placed.corners();
 }
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "core/board/board.h"
-#include "core/board/detect/corner_search.h"
+#include "core/board/detect/print_search.h"
 #include "core/board/types/aprilgrid_tags.h"
 #include "core/board/types/lattice.h"
 
@@ -90,21 +90,10 @@ class Aprilgrid final : public BoardType {
   bool half_turn_ambiguous(const Board&) const override { return false; }
 
   std::vector<Corner> find(const Board& board, const Image& grey8) const override {
-    std::vector<Corner> found;
-    for (const AprilTag& tag : find_april_tags(board, grey8)) {
-      for (std::size_t k = 0; k < 4; ++k) {
-        const int column = 2 * tag.column + (k == 1 || k == 2), row = 2 * tag.row + (k >= 2);
-        found.push_back(
-            {row * 2 * board.columns + column, tag.corners[k], Eigen::Matrix2d::Identity() * 0.1});
-      }
-    }
-    // Moved to the saddles that the picture shows; what shows no saddle stays as it is.
-    std::vector<Corner> corners = CornerSearch(board, grey8).find(found, 0.35);
-    for (const Corner& corner : found) {
-      const auto same = [&](const Corner& other) { return other.id == corner.id; };
-      if (std::none_of(corners.begin(), corners.end(), same)) corners.push_back(corner);
-    }
-    return corners;
+    constexpr double border = 1.0 * aprilgrid_border / cells;
+    const SquarePrint print{cells - 2 * aprilgrid_border, 1 - 2 * border, std::min(border, board.spacing),
+                            board.spacing};
+    return find_by_print(board, print, grey8);
   }
 };
 
