@@ -227,14 +227,13 @@ Result<int> bench_detect(const BenchOptions& options) {
   if (!sets) return fail(sets.error());
   if (!options.json) {
     std::printf(
-        "CPU ms per picture, median / worst, one thread. Ours: find, find + refine. OpenCV: a "
-        "checkerboard's\n"
-        "sector-based search (exhaustive) and default one (+: stopped at %d s), a ChArUco's markers and the\n"
-        "corners between them; libapriltag: an AprilGrid's tags. Ratios are of find's sum over theirs, on "
-        "the\n"
-        "first %zu pictures (a fifth of it where no board is): the last columns count what ours found in "
-        "all,\n"
-        "and ours and theirs on those.\n",
+        "CPU ms per picture, median / worst, one thread. Ours: find, find + refine. OpenCV: the "
+        "sector-based\n"
+        "search (exhaustive) for a checkerboard and the default one (+: stopped at %d s), markers of a "
+        "ChArUco\n"
+        "and the corners between them. libapriltag: the tags. Ratios are of find's sum over theirs, on the\n"
+        "first %zu pictures (a fifth of it where no board is). Found: by ours in all, by ours and theirs on\n"
+        "those.\n",
         peer_limit_s, peer_pictures);
   }
   nlohmann::json rows = nlohmann::json::array();
