@@ -408,7 +408,7 @@ Result<Calibration> calibrate(const Rig& rig, const std::vector<ViewSights>& vie
   }
   JointOptions joint;
   joint.prior_bias = options.prior_bias;
-  joint.doubt_priors = {options.prior_distortion, options.prior_stretch};
+  joint.doubt_priors = {options.prior_distortion, options.prior_stretch, options.prior_size};
   joint.stop = options.stop;
   for (const RigExtrinsic& known : rig.extrinsics) {
     if (!known.fixed) continue;

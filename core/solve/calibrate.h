@@ -27,6 +27,7 @@ struct CalibrateOptions {
   /// The same of what is held until the corners contradict it.
   double prior_distortion = 3;   ///< of a given lens's distortion, px a coefficient moves corners at most
   double prior_stretch = 0.003;  ///< of the print along x and y, relative
+  double prior_size = 0.03;      ///< the same where LiDARs contradict it: a print scaled to fit a page
   /// Cameras whose intrinsics were estimated from the same views: standard deviation of each parameter.
   std::map<std::string, Eigen::VectorXd> estimated;
   /// Once this is asked for, the calibration fails within milliseconds with ErrorCode::unavailable.

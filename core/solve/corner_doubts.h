@@ -13,7 +13,8 @@ struct DoubtPriors {
   /// px: what a coefficient of the distortion alone moves a corner by where it moves one most. So it means
   /// the same for every model.
   double distortion = 0;
-  double stretch = 0;  ///< of the print along x and y, relative
+  double stretch = 0;  ///< of the print along x and y, relative: paper and printers
+  double size = 0;     ///< the same where the LiDARs contradict it: prints scaled to fit a page
 };
 
 /// What cannot be held.

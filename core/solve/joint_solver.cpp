@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/solve/answer_covariance.h"
 #include "core/solve/corner_doubts.h"
 #include "core/solve/corner_noise.h"
+#include "core/solve/joint_start.h"
 #include "core/solve/lens_evidence.h"
 #include "core/solve/lidar_returns.h"
 #include "core/solve/plate_rims.h"
@@ -46,36 +46,13 @@ class Solver {
         views_(views),
         lidars_(static_cast<std::size_t>(lidars)),
         rims_(board, views, seed.chosen, lidars_),
-        options_(options) {
-    input_.board_corners = board.type->corners(board);
-    input_.cameras = cameras;
-    input_.relative = options.relative;
-    input_.prior_intrinsics = options.prior_intrinsics;
-    input_.prior_bias = options.prior_bias;
-    input_.stated = options.stated;
-    answer_.chosen = seed.chosen;
-    answer_.by_rims = seed.by_rims;
-    answer_.views.resize(views.size());
-    answer_.range_sigma.assign(lidars_, 0.02);
-    answer_.view_sigma.assign(lidars_, 0);
-    answer_.edge_noise.resize(lidars_);
-    answer_.outline_offset.assign(lidars_, std::numeric_limits<double>::quiet_NaN());
-    input_.prior_dilation = dilation_sigma;
-    input_.edge_sway.assign(lidars_, 0);
-    answer_.corner_scale.assign(cameras.size(), 1);
-    neighbours_ = neighbouring_corners(input_.board_corners, 1.2 * board.square);
-    state_.T_ref_camera = seed.T_ref_camera;
-    state_.T_ref_lidar = seed.T_ref_lidar;
-    state_.cameras = cameras;
-    state_.range_bias = state_.range_slope = std::vector<double>(lidars_, 0);
-    state_.dilation.resize(lidars_);
-    for (std::size_t l = 0; l < lidars_; ++l) {
-      std::vector<int> chosen;
-      for (const std::vector<int>& by_lidar : seed.chosen) chosen.push_back(by_lidar[l]);
-      returns_.emplace_back(views, l, chosen, ink_);
-    }
+        options_(options),
+        input_(first_input(board, cameras, lidars_, options)),
+        state_(first_state(cameras, lidars_, views, seed)),
+        neighbours_(neighbouring_corners(input_.board_corners, 1.2 * board.square)),
+        answer_(first_answer(cameras.size(), lidars_, views.size(), seed)) {
+    for (std::size_t l = 0; l < lidars_; ++l) returns_.emplace_back(views, l, seed.chosen, ink_);
     corners_ = settled_corners(views, seed, static_cast<int>(input_.board_corners.size()));
-    state_.T_ref_board = seeded_boards(views, seed);
     for (std::size_t v = 0; v < views.size(); ++v) note_usability(v);
   }
 
@@ -101,6 +78,7 @@ class Solver {
     solve();
     solve_and_judge();
     if (!stopping()) question_corners();
+    if (views == Disagreeing::dropped && !stopping()) question_size();
     while (views == Disagreeing::dropped && !stopping() && drop_worst()) solve_and_judge();
     std::vector<Misfit> misfits;
     for (const JointViewOutcome& view : answer_.views) misfits.push_back(view.used ? view.misfit : Misfit{});
@@ -238,7 +216,7 @@ class Solver {
   /// together (temperature, incidence, flatness): finds the shared error that explains it.
   void explain_misfit() {
     const Misfit before = total_misfit();
-    if (before.lidar_freedom < 3 || misfit_excess(before.lidars, before.lidar_freedom) == 1) return;
+    if (!lidars_disagree(before)) return;
     const auto share = [](const Misfit& misfit) { return misfit.lidar_freedom / misfit.lidars; };
     // Returns, rims and noise are what they were: only what the views' sums are worth changes.
     prepare();
@@ -256,7 +234,7 @@ class Solver {
       solve_with(*error);
       search.take(share(total_misfit()));
     }
-    if (misfit_excess(total_misfit().lidars, total_misfit().lidar_freedom) == 1) return;
+    if (!lidars_disagree(total_misfit())) return;
     // It is not the LiDARs that disagree: the covariance makes up for it instead.
     solve_with(0);
   }
@@ -361,7 +339,29 @@ class Solver {
     const CornerDoubts doubts = doubt_corners(input_, active_state(), neighbours_, options_.doubt_priors);
     if (!doubts.any()) return;
     doubts.open(input_);
-    problem_.reset();  // its unknowns are others
+    solve_anew();
+  }
+
+  /// Planes at several distances tell in metres what corners tell in squares. Where both disagree, and no
+  /// longer do with another size of the print, it is that.
+  void question_size() {
+    const double believed = input_.prior_stretch;
+    if (active_.size() < least_views_to_doubt || believed >= options_.doubt_priors.size) return;
+    const Misfit before = total_misfit();
+    if (!lidars_disagree(before)) return;
+    const auto [answer, state] = std::pair(answer_, state_);
+    input_.prior_stretch = options_.doubt_priors.size;
+    solve_anew();
+    if (explains(before, total_misfit())) return;
+    answer_ = answer;
+    state_ = state;
+    input_.prior_stretch = believed;
+    solve_anew();
+  }
+
+  /// With other unknowns.
+  void solve_anew() {
+    problem_.reset();
     damping_ = cold_damping;
     solve();
     estimate_corner_noise();
@@ -420,16 +420,16 @@ class Solver {
   std::size_t lidars_;
   PlateRims rims_;
   const JointOptions& options_;
-  std::vector<LidarReturns> returns_;  ///< by LiDAR
   JointInput input_;
   JointState state_;
+  NeighbourTable neighbours_;
+  JointAnswer answer_;
+  std::vector<LidarReturns> returns_;                      ///< by LiDAR
   std::vector<std::vector<std::vector<Corner>>> corners_;  ///< [view][camera], ids settled
   std::vector<std::size_t> active_;                        ///< the views in input_
   bool placed_ = false;                  ///< see `boards_are_placed`; until then the returns are the finder's
   double damping_ = cold_damping;        ///< of the next solve's first step
   std::optional<JointProblem> problem_;  ///< of input_
-  NeighbourTable neighbours_;
-  JointAnswer answer_;
 };
 
 }  // namespace

@@ -27,11 +27,12 @@ double margin(const Pose& T_lidar_board) {
 }  // namespace
 
 LidarReturns::LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar,
-                           const std::vector<int>& chosen, const InkMap& ink)
+                           const std::vector<std::vector<int>>& chosen, const InkMap& ink)
     : sights_(views.size(), nullptr), patches_(views.size()) {
   for (std::size_t v = 0; v < views.size(); ++v) {
-    if (chosen[v] < 0) continue;
-    sights_[v] = &views[v].lidars[lidar][static_cast<std::size_t>(chosen[v])];
+    const int hypothesis = chosen[v][lidar];
+    if (hypothesis < 0) continue;
+    sights_[v] = &views[v].lidars[lidar][static_cast<std::size_t>(hypothesis)];
     patches_[v].emplace(*sights_[v], ink);
   }
 }

@@ -29,10 +29,10 @@ struct PlacedBoard {
 
 class LidarReturns {
  public:
-  /// `chosen` [view]: the hypothesis of LiDAR `lidar` that is the board; negative: none. The views and
-  /// the print must live as long.
-  LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar, const std::vector<int>& chosen,
-               const InkMap& ink);
+  /// `chosen` [view][lidar]: the hypothesis that is the board; negative: none. The views and the print must
+  /// live as long.
+  LidarReturns(const std::vector<ViewSights>& views, std::size_t lidar,
+               const std::vector<std::vector<int>>& chosen, const InkMap& ink);
 
   bool sees(std::size_t view) const { return sights_[view] != nullptr; }
 

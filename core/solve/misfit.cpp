@@ -11,6 +11,10 @@ namespace {
 /// Normal deviate that one in ten thousand exceeds.
 constexpr double rare = 3.719;
 
+/// By which chi-squared must fall, in units of what is left of it for each degree of freedom: two more
+/// unknowns lower it by as much once in 250 000 times.
+constexpr double convincing_gain = 25;
+
 /// Quantile of chi-squared, from that of a normal deviate (Wilson and Hilferty 1931).
 double chi2_quantile(int freedom, double deviate) {
   const double spread = 2.0 / (9 * freedom);
@@ -49,6 +53,15 @@ Misfit& Misfit::operator+=(const Misfit& other) {
 double misfit_excess(double misfit, int freedom) {
   const double ratio = freedom > 0 ? misfit / freedom : 0;
   return ratio > 1 + 3 * std::sqrt(2.0 / std::max(1, freedom)) ? ratio : 1;
+}
+
+bool lidars_disagree(const Misfit& misfit) {
+  return misfit.lidar_freedom >= 3 && misfit_excess(misfit.lidars, misfit.lidar_freedom) > 1;
+}
+
+bool explains(const Misfit& before, const Misfit& after) {
+  const double left = after.lidars / std::max(1, after.lidar_freedom);
+  return before.lidars - after.lidars > convincing_gain * std::max(1.0, left);
 }
 
 std::optional<WorstView> find_worst_view(std::span<const Misfit> views) {

@@ -21,6 +21,13 @@ struct Misfit {
 /// By how much a misfit is larger than noise explains, as a factor on the variance; 1 where it may be chance.
 double misfit_excess(double misfit, int freedom);
 
+/// Do LiDARs and cameras disagree by more than chance?
+bool lidars_disagree(const Misfit& misfit);
+
+/// Does what was changed between both explain how LiDARs and cameras disagreed? Of what else may be wrong, as
+/// the views' objects, hardly a part may go with it.
+bool explains(const Misfit& before, const Misfit& after);
+
 struct WorstView {
   std::size_t index = 0;
   std::string reason;  ///< for a person

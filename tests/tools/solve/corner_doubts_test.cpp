@@ -36,7 +36,7 @@ class Stretched final : public BoardType {
 
 CalibrateOptions everything_believed() {
   CalibrateOptions options;
-  options.prior_distortion = options.prior_stretch = 0;
+  options.prior_distortion = options.prior_stretch = options.prior_size = 0;
   return options;
 }
 
@@ -134,6 +134,27 @@ TEST_F(CornerDoubts, AStretchedPrintIsEstimated) {
   EXPECT_LT(found.nees, 1.5);
   EXPECT_GT(held.nees, 2 * found.nees);
   EXPECT_GT(held.translation2, 2 * found.translation2);
+}
+
+/// A print scaled to fit the page looks right to every camera: only the LiDARs' metres tell.
+TEST_F(CornerDoubts, APrintOfAnotherSizeIsEstimated) {
+  const Rig stated = rig_of(file.scenario);
+  for (const Eigen::Vector2d& stretch : {Eigen::Vector2d(-0.03, -0.03), {-0.03, -0.034}, {0.01, 0.01}}) {
+    Scenario scenario = file.scenario;
+    const Stretched printed(*scenario.board.type, stretch);
+    scenario.board.type = &printed;
+    const std::vector<SimulatedView> pool = pool_of(scenario, 80);
+    const Tally found = run(pool, stated, {});
+    const Tally held = run(pool, stated, everything_believed());
+    found.print("print of another size");
+    held.print("print of another size, held");
+    EXPECT_EQ(found.answers, trials);
+    EXPECT_EQ(found.prints, trials);
+    EXPECT_EQ(found.distortions, 0);
+    EXPECT_GT(found.nees, 0.3);
+    EXPECT_LT(found.nees, 1.5);
+    EXPECT_GT(held.translation2, 100 * found.translation2);
+  }
 }
 
 }  // namespace
