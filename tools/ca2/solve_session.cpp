@@ -131,16 +131,18 @@ Result<int> solve_session(const SolveArguments& arguments) {
     return fail(calibration.error());
   }
   const Result<void> written = write_atomically(output, to_yaml(*calibration));
-  if (!written) return fail(written.error());
+  // An answer that took minutes is shown whether or not it can be kept.
   if (arguments.json) {
     std::printf("%s\n", to_json(*calibration).c_str());
   } else {
     std::printf("%s", describe(*calibration).c_str());
     print_true_errors(*session, *calibration);
     print_next_pose(*features, *calibration);
-    std::printf("written to %s\n", output.string().c_str());
+    if (written) std::printf("written to %s\n", output.string().c_str());
   }
-  return 0;
+  if (written) return 0;
+  const Problem& problem = written.error().problems.front();
+  return fail(written.error().code, problem.where, problem.what, "--output FILE writes the result elsewhere");
 }
 
 }  // namespace ca2

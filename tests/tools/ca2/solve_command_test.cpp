@@ -53,6 +53,16 @@ TEST_F(SolveCommand, AnswersWithinItsUncertaintyAndIsQuietInAPipe) {
   EXPECT_EQ(used_views(result()).size(), 8u);
 }
 
+/// An answer that cannot be kept is shown all the same.
+TEST_F(SolveCommand, AResultThatCannotBeWrittenIsPrinted) {
+  const Outcome run = run_ca2({"solve", session, "--output", folder / "no" / "such" / "folder.yaml"});
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.output.find("T_front_puck"), std::string::npos) << run.output;
+  EXPECT_EQ(run.output.find("written to"), std::string::npos) << run.output;
+  EXPECT_NE(run.errors.find("folder.yaml"), std::string::npos) << run.errors;
+  EXPECT_NE(run.errors.find("--output FILE writes the result elsewhere"), std::string::npos) << run.errors;
+}
+
 TEST_F(SolveCommand, TheResultHasItsFixedKeysAndJsonSaysTheSame) {
   const Outcome run = solve({"--json"});
   ASSERT_EQ(run.status, 0) << run.errors;
