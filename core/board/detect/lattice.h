@@ -58,12 +58,18 @@ struct Node {
 /// A connected piece of a chessboard. Ordered by cell: iteration is deterministic.
 using Lattice = std::map<Cell, Node>;
 
-/// Where the lines of corners lie. Those of a chessboard are one apart; on a grid of tags, whose corners are
-/// a chessboard's with every second row and column of squares narrower, a tag is 1 wide and a gap `gap`.
+/// Where the lines of corners lie, and which squares between them are printed on. Those of a chessboard are
+/// one apart, its white squares are. On a grid of tags, whose corners are a chessboard's with every second
+/// row and column of squares narrower, a tag is 1 wide and a gap `gap`.
 struct Lines {
   double gap = 1;
-  Cell first{0, 0};  ///< a tag or white square: it lies beyond these lines along both axes
+  Cell first{0, 0};  ///< of a printed square: it lies beyond these lines along both axes
+  bool tags = false;
 
+  bool printed(const Cell& cell) const {
+    const int i = cell.first - first.first, j = cell.second - first.second;
+    return tags ? i % 2 == 0 && j % 2 == 0 : (i + j) % 2 == 0;
+  }
   Eigen::Vector2d place(const Cell& cell) const {
     return {along(cell.first - first.first), along(cell.second - first.second)};
   }

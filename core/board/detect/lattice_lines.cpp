@@ -33,7 +33,7 @@ std::vector<Lines> possible_lines(const Lattice& lattice, const Squares& squares
   const Cell black = white ? cell + Cell{1, 0} : cell;
   std::vector<Lines> list;
   for (const Cell& first : {black, black + Cell{1, 1}}) {
-    const Lines lines{squares.gap, first};
+    const Lines lines{squares.gap, first, true};
     // Gaps as wide as tags tell nothing, and perspective makes a third of difference.
     if (tags_over_gaps(lattice, lines) > std::min(1.0, 0.7 / squares.gap)) list.push_back(lines);
   }

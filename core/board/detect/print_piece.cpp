@@ -21,7 +21,7 @@ Eigen::Matrix<double, 6, 1> powers(double u, double v) {
 
 }  // namespace
 
-PrintPiece print_piece(const Lattice& lattice, const Squares& squares, const Lines& lines) {
+PrintPiece print_piece(const Lattice& lattice, const Lines& lines) {
   double sense = 0;
   for (const auto& [cell, node] : lattice) {
     const auto right = lattice.find(cell + Cell{1, 0});
@@ -32,7 +32,7 @@ PrintPiece print_piece(const Lattice& lattice, const Squares& squares, const Lin
     sense += x.x() * y.y() - x.y() * y.x() > 0 ? 1 : -1;
   }
   const bool flip = sense < 0;
-  PrintPiece piece{{}, lines, squares.tags()};
+  PrintPiece piece{{}, lines};
   // What lies between two lines lies between the same two from the other side.
   if (flip) piece.lines.first.second = -lines.first.second - 1;
   for (const auto& [cell, node] : lattice)
@@ -89,7 +89,7 @@ std::vector<Cell> printed_squares(const PrintPiece& piece) {
   std::set<Cell> squares;
   for (const auto& [cell, pixel] : piece.corners) {
     for (const Cell& beside : {Cell{0, 0}, Cell{-1, 0}, Cell{0, -1}, Cell{-1, -1}}) {
-      if (piece.printed(cell + beside)) squares.insert(cell + beside);
+      if (piece.lines.printed(cell + beside)) squares.insert(cell + beside);
     }
   }
   return {squares.begin(), squares.end()};

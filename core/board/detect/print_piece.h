@@ -14,16 +14,10 @@ namespace ca2 {
 /// both axes.
 struct PrintPiece {
   std::map<Cell, Eigen::Vector2d> corners;  ///< px
-  Lines lines;                              ///< the square of lines.first is printed on
-  bool tags = false;                        ///< is every second in a row and column, or else every white one?
-
-  bool printed(const Cell& cell) const {
-    const int i = cell.first - lines.first.first, j = cell.second - lines.first.second;
-    return tags ? i % 2 == 0 && j % 2 == 0 : (i + j) % 2 == 0;
-  }
+  Lines lines;
 };
 
-PrintPiece print_piece(const Lattice& lattice, const Squares& squares, const Lines& lines);
+PrintPiece print_piece(const Lattice& lattice, const Lines& lines);
 
 /// Where the points of one square, 0..1 along its sides, are in the picture.
 class PrintSquare {

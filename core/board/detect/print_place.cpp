@@ -44,12 +44,12 @@ PrintMap::PrintMap(const Board& board, const SquarePrint& print)
     : columns_(print.tags() ? 2 * board.columns + 1 : board.columns),
       rows_(print.tags() ? 2 * board.rows + 1 : board.rows),
       print_(print) {
-  const Lines lines{print.tags() ? print.gap : 1, print.tags() ? Cell{1, 1} : Cell{1, 0}};
+  const Lines lines = print.tags() ? Lines{print.gap, {1, 1}, true} : Lines{1, {1, 0}};
   const Eigen::Vector2d middle = 0.5 * (lines.place({0, 0}) + lines.place({columns_, rows_}));
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       Fields fields;
-      if (print.tags() ? column % 2 != 0 && row % 2 != 0 : (column + row) % 2 != 0) {
+      if (lines.printed({column, row})) {
         fields.resize(print.cells, print.cells);
         for (int j = 0; j < print.cells; ++j) {
           for (int i = 0; i < print.cells; ++i) {

@@ -52,7 +52,7 @@ std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, 
   const std::vector<Saddle> saddles = strongest_saddles(levels, squares.rings);
   const PrintMap map(board, print);
   PlacedCorners placed(map.corner_columns());
-  // All of them first, for they may go on in each other.
+  // Gives them back as they grew: they may go on in each other.
   const auto place = [&](const std::vector<Lattice>& pieces) {
     std::vector<Lattice> all;
     for (const Lattice& piece : pieces) {
@@ -60,7 +60,7 @@ std::vector<Corner> find_by_print(const Board& board, const SquarePrint& print, 
         Lattice lattice = piece;
         grow(levels, lattice, map.most_corners(), squares, lines);
         if (lattice.size() > map.most_corners()) continue;
-        const PrintPiece shown = print_piece(lattice, squares, lines);
+        const PrintPiece shown = print_piece(lattice, lines);
         if (const auto there = map.place_of(shown, grey8)) placed.add(map, shown, *there);
         all.push_back(std::move(lattice));
       }
