@@ -29,7 +29,6 @@ class Assembly {
       ++(file.cached ? result_.cached : result_.searched);
     }
     settle_picture_sizes();
-    leave_out_copies();
     if (auto error = find_blind_sensors()) return fail(std::move(*error));
     if (auto error = estimate_missing_intrinsics()) return fail(std::move(*error));
     for (std::size_t v = 0; v < session_.views.size(); ++v) {
@@ -97,23 +96,6 @@ class Assembly {
                     file.sensor + "' has " + size_text(camera.width, camera.height),
                 "intrinsics hold for one size only: give pictures as the camera made them");
       add_problems(file.error->problems);
-    }
-  }
-
-  /// What is another view's picture, corner by corner, says nothing new, and would make the answer too sure.
-  void leave_out_copies() {
-    const auto same = [](const Corner& a, const Corner& b) { return a.id == b.id && a.pixel == b.pixel; };
-    for (auto file = files_.begin(); file != files_.end(); ++file) {
-      if (!file->is_image || !file->sees_board()) continue;
-      const auto first = std::find_if(files_.begin(), file, [&](const SensorFile& other) {
-        return other.sensor == file->sensor && other.sees_board() &&
-               std::ranges::equal(other.image.corners, file->image.corners, same);
-      });
-      if (first == file) continue;
-      file->error = Error(ErrorCode::data, file->path.string(),
-                          "is the picture of view " + std::to_string(session_.views[first->view].id),
-                          "a copy says nothing new; or does the camera hang?");
-      add_problems(file->error->problems);
     }
   }
 

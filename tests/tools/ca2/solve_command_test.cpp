@@ -53,14 +53,6 @@ TEST_F(SolveCommand, AnswersWithinItsUncertaintyAndIsQuietInAPipe) {
   EXPECT_EQ(used_views(result()).size(), 8u);
 }
 
-TEST_F(SolveCommand, ACopyOfAViewIsNoOtherView) {
-  fs::copy(session / "views" / "000002", session / "views" / "000031", fs::copy_options::recursive);
-  const Outcome run = solve();
-  ASSERT_EQ(run.status, 0) << run.errors;
-  EXPECT_NE(run.errors.find("is the picture of view 2"), std::string::npos) << run.errors;
-  EXPECT_EQ(used_views(result()).size(), 8u);
-}
-
 /// An answer that cannot be kept is shown all the same.
 TEST_F(SolveCommand, AResultThatCannotBeWrittenIsPrinted) {
   const Outcome run = run_ca2({"solve", session, "--output", folder / "no" / "such" / "folder.yaml"});
