@@ -43,9 +43,8 @@ std::vector<std::string> correction_notes(const Rig& rig, const std::vector<View
   }
   if (print.estimated) {
     notes.push_back(
-        formatted("the views contradict the size of the print: it is %.2f +- %.2f %% %s than stated along "
-                  "x and %.2f +- "
-                  "%.2f %% %s along y; measure it",
+        formatted("the views contradict the size of the print: it is %.2f +- %.2f %% %s than stated "
+                  "along x and %.2f +- %.2f %% %s along y; measure it",
                   100 * std::abs(print.stretch.x()), 100 * print.sigma.x(), size_word(print.stretch.x()),
                   100 * std::abs(print.stretch.y()), 100 * print.sigma.y(), size_word(print.stretch.y())));
   }

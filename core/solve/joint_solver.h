@@ -22,7 +22,7 @@ struct JointOptions {
   std::vector<CameraParameters> prior_intrinsics;  ///< by camera: sigma of fx, fy, cx, cy, px; 0 holds one
   std::vector<bool> stated;  ///< by camera: the intrinsics are not from these views; how far off they may be
                              ///< is weighed by what the views show
-  DoubtPriors doubt_priors;  ///< of what is believed until the corners contradict it
+  DoubtPriors doubt_priors;  ///< of what is believed until the views contradict it
   std::vector<RelativePrior> relative;
   std::vector<double> lens_radius;  ///< by LiDAR, m, see `lens_gain`; 0 or empty: nothing to ask
   std::stop_token stop = {};        ///< once this is asked for it gives up soon, and the answer means nothing

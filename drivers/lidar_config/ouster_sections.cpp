@@ -1,7 +1,8 @@
 #include "drivers/lidar_config/ouster_sections.h"
-#include "core/io/json.h"
 
 #include <nlohmann/json.hpp>
+
+#include "core/io/json.h"
 
 namespace ca2 {
 

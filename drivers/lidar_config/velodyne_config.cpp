@@ -1,9 +1,10 @@
 #include "drivers/lidar_config/velodyne_config.h"
-#include "core/io/json.h"
 
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
+
+#include "core/io/json.h"
 
 namespace ca2 {
 namespace {

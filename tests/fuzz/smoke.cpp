@@ -57,14 +57,15 @@ TEST(Fuzz, SeedsAndTheirTruncations) {
   }
 }
 
+#ifdef CA2_FUZZ_CORPUS
 /// What fuzzing found to be worth keeping: every branch it reached is reached again.
 TEST(Fuzz, Corpus) {
-  if (!std::filesystem::is_directory(CA2_FUZZ_CORPUS)) GTEST_SKIP() << "this target has no corpus";
   for (const auto& entry : std::filesystem::directory_iterator(CA2_FUZZ_CORPUS)) {
     std::ifstream file(entry.path(), std::ios::binary);
     run({std::istreambuf_iterator<char>(file), {}});
   }
 }
+#endif
 
 TEST(Fuzz, Mutations) {
   const std::vector<std::string> all = all_seeds();

@@ -15,6 +15,7 @@
 #include "drivers/net/ip_address.h"
 #include "drivers/net/pcap_reader.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/print_warnings.h"
 
 namespace ca2 {
 namespace {
@@ -198,10 +199,7 @@ Result<int> run(const DecodeOptions& options) {
   print_summary(options, *driver, *writer);
   const std::vector<Problem> doubts = capture_doubts(options.file.string(), *driver, *packets);
   if (writer->scans() == 0) return fail(ErrorCode::data, doubts);
-  for (const Problem& doubt : doubts) {
-    const Error line(ErrorCode::data, doubt.where, "warning: " + doubt.what, doubt.hint);
-    std::fprintf(stderr, "ca2: %s\n", line.text().c_str());
-  }
+  print_warnings(doubts);
   return 0;
 }
 

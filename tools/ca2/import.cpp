@@ -12,6 +12,7 @@
 #include "tools/ca2/import_log.h"
 #include "tools/ca2/import_pairs.h"
 #include "tools/ca2/kalibr_rig.h"
+#include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 
 namespace ca2 {
@@ -135,16 +136,12 @@ Result<int> run_import(const Options& options) {
       if (!written) return fail(written.error());
       ++id;
     } else {
-      problems.insert(problems.end(), loaded.error().problems.begin(), loaded.error().problems.end());
+      for (const Problem& problem : loaded.error().problems)
+        problems.push_back({problem.where, "left out: " + problem.what, problem.hint});
     }
     progress.show(static_cast<int>(i + 1), static_cast<int>(source->views));
   }
-  for (const Problem& problem : problems) {
-    std::fprintf(stderr, "ca2: %s\n",
-                 Error(ErrorCode::data, problem.where, "warning: left out: " + problem.what, problem.hint)
-                     .text()
-                     .c_str());
-  }
+  print_warnings(problems);
   if (id == 0) return fail(ErrorCode::data, options.from, "no view could be read");
   std::printf("%d views paired by %s%s in %s\n", id, source->paired.c_str(),
               source->single > 0 ? (", " + std::to_string(source->single) +

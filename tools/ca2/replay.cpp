@@ -8,6 +8,7 @@
 #include "drivers/recording/replay.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/hold_tally.h"
+#include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/solve_session.h"
 
@@ -19,13 +20,6 @@ struct Options {
   ReplayOptions replay;
   bool json = false, verbose = false;
 };
-
-void print_warnings(const std::vector<Problem>& problems) {
-  for (const Problem& problem : problems) {
-    const Error line(ErrorCode::data, problem.where, "warning: " + problem.what, problem.hint);
-    std::fprintf(stderr, "ca2: %s\n", line.text().c_str());
-  }
-}
 
 /// Simulated recordings know the truth: their session shall, too.
 void carry_truth(const Recording& recording, const std::filesystem::path& session) {

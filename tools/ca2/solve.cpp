@@ -65,9 +65,9 @@ CommandBody setup_solve(CLI::App& app) {
       ->check(CLI::Range(1, 256));
   app.footer(
       "Finds the board in every picture and cloud, calibrates all sensors of the rig at once and writes\n"
-      "result.yaml with the covariance of every transform. Exit status 1 and no result when the views "
-      "cannot\n"
-      "determine the answer: the message says which direction is weak and how to hold the board to cure it.\n"
+      "result.yaml with the covariance of every transform. Exit status 1 and no result when the views do\n"
+      "not determine the answer: the message says which direction is weak, and how to hold the board to\n"
+      "cure it.\n"
       "Given focal lengths and principal points are refined, a lens's distortion and the print's size where\n"
       "the views contradict them: the result has each with its sigma (0: held), and a note.");
   return [arguments, daemon] { return solve(*arguments, *daemon); };

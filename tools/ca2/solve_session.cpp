@@ -11,20 +11,13 @@
 #include "core/solve/calibrate.h"
 #include "tools/ca2/id_list.h"
 #include "tools/ca2/print_calibration.h"
+#include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/rig_doubts.h"
 #include "tools/sim/truth_file.h"
 
 namespace ca2 {
 namespace {
-
-/// They do not stop the solve: it does without what they are about.
-void print_warnings(const std::vector<Problem>& problems) {
-  for (const Problem& problem : problems) {
-    const Error line(ErrorCode::data, problem.where, "warning: " + problem.what, problem.hint);
-    std::fprintf(stderr, "ca2: %s\n", line.text().c_str());
-  }
-}
 
 /// A refused solve must not leave the result of an earlier one in place as if it were the answer.
 void set_aside(const std::filesystem::path& output) {

@@ -6,7 +6,7 @@
 
 #include "core/board/board.h"
 #include "core/board/detect/print_search.h"
-#include "core/board/types/aprilgrid_tags.h"
+#include "core/board/types/aprilgrid_prints.h"
 #include "core/board/types/lattice.h"
 
 namespace ca2 {

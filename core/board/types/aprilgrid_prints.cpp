@@ -1,4 +1,4 @@
-#include "core/board/types/aprilgrid_tags.h"
+#include "core/board/types/aprilgrid_prints.h"
 
 extern "C" {
 #include <apriltag/apriltag.h>

@@ -1,4 +1,4 @@
-/// @file What is printed on the tags of an AprilGrid.
+/// @file What is printed on the tags of an AprilGrid, by libapriltag's codes.
 #pragma once
 
 #include <array>
