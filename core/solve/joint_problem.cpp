@@ -388,4 +388,18 @@ double JointProblem::range_rms(const State& state, std::size_t view) const {
   return weight > 0 ? std::sqrt(squares / weight) : 0;
 }
 
+JointState state_of_views(const JointState& all, std::span<const std::size_t> views) {
+  JointState some = all;
+  some.T_ref_board.clear();
+  for (const std::size_t v : views) some.T_ref_board.push_back(all.T_ref_board[v]);
+  return some;
+}
+
+void take_state_of_views(JointState& all, JointState some, std::span<const std::size_t> views) {
+  std::vector<Pose> boards = std::move(all.T_ref_board);
+  for (std::size_t i = 0; i < views.size(); ++i) boards[views[i]] = some.T_ref_board[i];
+  all = std::move(some);
+  all.T_ref_board = std::move(boards);
+}
+
 }  // namespace ca2

@@ -73,6 +73,14 @@ struct JointState {
   std::vector<Pose> T_ref_board;    ///< by view
 };
 
+/// Of some views only, as JointProblem indexes them; and back into the state of all.
+JointState state_of_views(const JointState& all, std::span<const std::size_t> views);
+void take_state_of_views(JointState& all, JointState some, std::span<const std::size_t> views);
+
+/// The priors on intrinsics, stretch, range biases and rims' freedom: as the input has them, or weighed by
+/// what the views show, `believed` more readily where these are many and agree in everything.
+enum class Priors { as_given, doubted, believed };
+
 /// Costs and normal equations for `minimize`. The board poses are eliminated view by view (Schur complement),
 /// so that a step costs time linear in the views; corners are projected anew only where the board moved. The
 /// input is read at every call, so that noise, returns and rims may be put right between two solves; the
@@ -128,8 +136,8 @@ class JointProblem {
   /// What the views at the state last linearised, close to the minimum, say of the deviations that have a
   /// prior: stated focal lengths, principal points and distortion, the print's stretch, the range biases and
   /// the rims' freedom are a group each. Nothing where they are all held or the views determine nothing
-  /// without them.
-  std::optional<NuisanceEvidence> nuisance_evidence(const State& state) const;
+  /// without them. `priors`: not as given.
+  std::optional<NuisanceEvidence> nuisance_evidence(const State& state, Priors priors) const;
 
   /// One view's share of `information()` and of the marginal gradient, at the state last linearised: what
   /// leaving it out takes away.
@@ -166,11 +174,7 @@ class JointProblem {
   double views_cost_ = 0;       ///< of all views
 };
 
-/// The priors on intrinsics, stretch, range biases and rims' freedom: as the input has them, or weighed by
-/// what the views show.
-enum class Priors { as_given, weighed };
-
-/// Minimises; where they are to be `weighed`, weighs the priors by what the views show
+/// Minimises; where they are not to be `as_given`, weighs the priors by what the views show
 /// (input.nuisances; from three views on) and minimises with these. `input` is the problem's; the problem is
 /// left linearised at `state`: three or four views leave too little over to be sure that given values are
 /// right, so that its information is then the one with the priors as given, but for those on rims.

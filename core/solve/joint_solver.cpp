@@ -30,6 +30,8 @@ constexpr double well_placed = 0.01;
 constexpr std::size_t enough_views = 5;
 /// Few views leave too little over to contradict given intrinsics.
 constexpr std::size_t least_views_to_doubt = 5;
+/// From as many on they contradict most of what is wrong with given values.
+constexpr std::size_t many_views = 10;
 /// PlateRims::slacks, where planes told nothing.
 constexpr std::array rim_slacks_alone{usual_rim_slack, 0.025, 0.015, 0.01};
 /// A solve that starts from the one before is close enough for whole Newton steps.
@@ -63,7 +65,7 @@ class Solver {
     }
     answer_.plane_misfits = plane_misfits(Disagreeing::dropped);
     if (!stopping()) explain_misfit();
-    if (!stopping()) finish(Priors::weighed);
+    if (!stopping()) finish(weighed());
     if (!stopping()) add_edges();
     return std::move(answer_);
   }
@@ -146,19 +148,8 @@ class Solver {
     input_.prior_range_slope[l] = returns_[l].slope_sigma();
   }
 
-  /// The state of the views in use only, as JointProblem indexes them; and back.
-  JointState active_state() const {
-    JointState active = state_;
-    active.T_ref_board.clear();
-    for (const std::size_t v : active_) active.T_ref_board.push_back(state_.T_ref_board[v]);
-    return active;
-  }
-  void take(JointState active) {
-    std::vector<Pose> boards = std::move(state_.T_ref_board);
-    for (std::size_t i = 0; i < active_.size(); ++i) boards[active_[i]] = active.T_ref_board[i];
-    state_ = std::move(active);
-    state_.T_ref_board = std::move(boards);
-  }
+  JointState active_state() const { return state_of_views(state_, active_); }
+  void take(JointState active) { take_state_of_views(state_, std::move(active), active_); }
 
   bool stopping() const { return options_.stop.stop_requested(); }
 
@@ -276,7 +267,7 @@ class Solver {
         rims_.lens_gains(state_, active_, input_.rim_freedom, options_.lens_radius);
     // With their rims views may disagree where planes alone left room to agree.
     explain_misfit();
-    finish(Priors::weighed);
+    finish(weighed());
     if (!contradicts(answer_, without) || !contradicts(answer_, planes_alone())) return;
     answer_ = std::move(without);
     answer_.edges_dropped = true;
@@ -387,6 +378,13 @@ class Solver {
     return misfit_excess(total_misfit().cameras, total_misfit().camera_freedom);
   }
 
+  /// Something that is not as it should be makes other things less likely to be.
+  Priors weighed() const {
+    const bool all_agree = active_.size() == views_.size() && !lidars_disagree(total_misfit()) &&
+                           std::ranges::count(answer_.view_sigma, 0) == std::ssize(answer_.view_sigma);
+    return all_agree && active_.size() >= many_views ? Priors::believed : Priors::doubted;
+  }
+
   void finish(Priors priors) {
     prepare();
     marginalize_view_errors(input_, answer_.view_sigma);
@@ -398,6 +396,7 @@ class Solver {
       // Corners are less sure than they seemed, and nothing else.
       for (double& scale : input_.corner_scale) scale *= std::sqrt(answer_.camera_factor);
       answer_.corner_scale = input_.corner_scale;
+      if (priors == Priors::believed) priors = Priors::doubted;
       minimize_and_weigh(*problem_, input_, active, priors);
       note_misfits(active);
     }

@@ -1,6 +1,7 @@
 /// JointProblem's part that weighs given intrinsics, range biases and what rims may be off by.
 #include <Eigen/Cholesky>
 #include <array>
+#include <utility>
 
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/solve/joint_problem.h"
@@ -10,32 +11,40 @@ namespace {
 
 /// Two views leave nothing over to say whether given values are right; from five on they may be sure of it.
 constexpr std::size_t least_views_to_weigh = 3, least_views_to_trust = 5;
-/// Chances that what was given is right, for the mean and for the covariance, which must be true of wrong
-/// ones too. A focal length and a principal point may each be right alone (the one told by the other would
-/// ruin the answer where it is not), though they mostly are together. Few LiDARs' ranges are without a bias:
-/// believing it costs the planes of few views a little where it is not so. What the corners contradicted a
-/// thousand to one is hardly right. Plates as thin as their print and beams that begin as points are a little
-/// more likely than not. Where nothing at all is off, each of these speaks for the others.
+/// Chances that what was given is right: for the mean, and for the covariance, which must be true of wrong
+/// ones too, more so where few views could contradict them or something else is not as it should be
+/// (Priors::doubted). A focal length and a principal point may each be right alone (the one told by the other
+/// would ruin the answer where it is not), though they mostly are together. Few LiDARs' ranges are without a
+/// bias: believing it costs the planes of few views a little where it is not so. What the corners
+/// contradicted a thousand to one is hardly right. Plates as thin as their print and beams that begin as
+/// points are a little more likely than not. Where nothing at all is off, each of these speaks for the
+/// others.
 struct Right {
-  double mean, covariance;
+  double mean, doubted, believed;
+  double covariance(Priors priors) const { return priors == Priors::believed ? believed : doubted; }
 };
-constexpr Right all_right{0.02, 0.01}, intrinsics_right{0.15, 0.05}, focal_or_centre_right{0.05, 0.05},
-    ranges_right{0.3, 0.3}, rims_right{0.6, 0.2}, contradicted_right{0.1, 0.1};
+constexpr Right all_right{0.02, 0.01, 0.06}, intrinsics_right{0.15, 0.05, 0.2},
+    focal_or_centre_right{0.05, 0.05, 0.08}, ranges_right{0.3, 0.3, 0.3}, rims_right{0.6, 0.2, 0.2},
+    contradicted_right{0.1, 0.1, 0.1};
 /// All deviations of one group are as far off as each other. NuisanceEvidence::sizes are in this order.
 enum Group { focal_group, centre_group, bias_group, rim_group, distortion_group, print_group };
 
 /// Right, as far off as thought, or something `between`, each with a chance of its own.
 template <std::size_t count>
-std::vector<NuisanceSize> sizes(Right right, const std::array<double, count>& between, double chance) {
-  std::vector<NuisanceSize> list{{0, right.mean, right.covariance}};
+std::vector<NuisanceSize> sizes(Right right, Priors priors, const std::array<double, count>& between,
+                                double chance) {
+  std::vector<NuisanceSize> list{{0, right.mean, right.covariance(priors)}};
   for (const double factor : between) list.push_back({factor, chance, chance});
-  list.push_back({1, 1 - right.mean - chance * count, 1 - right.covariance - chance * count});
+  list.push_back({1, 1 - right.mean - chance * count, 1 - right.covariance(priors) - chance * count});
   return list;
 }
 
 /// From right to as far off as thought in steps that lose little between them.
-std::vector<NuisanceSize> stepped_sizes(Right right) {
-  return sizes(right, std::array{1. / 16, 1. / 4}, 0.05);
+std::vector<NuisanceSize> stepped_sizes(Right right, Priors priors) {
+  return sizes(right, priors, std::array{1. / 16, 1. / 4}, 0.05);
+}
+RightTogether together(std::vector<int> groups, Right right, Priors priors) {
+  return {std::move(groups), right.mean, right.covariance(priors)};
 }
 
 }  // namespace
@@ -60,7 +69,8 @@ Eigen::VectorXd JointProblem::deviations(const JointState& state) const {
   return d;
 }
 
-std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState& state) const {
+std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState& state,
+                                                                Priors priors) const {
   // Held ones go with the others: their prior is no matter of belief.
   NuisanceEvidence evidence;
   const int first = intrinsics_index(0);
@@ -88,12 +98,12 @@ std::optional<NuisanceEvidence> JointProblem::nuisance_evidence(const JointState
   for (int l = 0; l < lidars_; ++l) add(margin_index(l) - first, input_.rim_freedom.margin, rim_group);
   add(rim_depth_index() - first, input_.rim_freedom.depth, rim_group);
   if (index.empty()) return std::nullopt;
-  evidence.sizes = {stepped_sizes(focal_or_centre_right), stepped_sizes(focal_or_centre_right),
-                    stepped_sizes(ranges_right),          sizes(rims_right, std::array{0.3}, 0.2),
-                    stepped_sizes(contradicted_right),    stepped_sizes(contradicted_right)};
-  evidence.right_together = {
-      {{focal_group, centre_group}, intrinsics_right.mean, intrinsics_right.covariance},
-      {{focal_group, centre_group, bias_group, rim_group}, all_right.mean, all_right.covariance}};
+  evidence.sizes = {
+      stepped_sizes(focal_or_centre_right, priors), stepped_sizes(focal_or_centre_right, priors),
+      stepped_sizes(ranges_right, priors),          sizes(rims_right, priors, std::array{0.3}, 0.2),
+      stepped_sizes(contradicted_right, priors),    stepped_sizes(contradicted_right, priors)};
+  evidence.right_together = {together({focal_group, centre_group}, intrinsics_right, priors),
+                             together({focal_group, centre_group, bias_group, rim_group}, all_right, priors)};
   // The marginal information in the order (others, weighed), the weighed ones' own prior taken out.
   const auto count = static_cast<Eigen::Index>(index.size());
   const Eigen::Index others = globals_ - count;
@@ -131,9 +141,9 @@ void minimize_and_weigh(JointProblem& problem, JointInput& input, JointState& st
   LmOptions options{.max_iterations = 30, .initial_damping = 1e-8, .gradient_tolerance = 1e-9};
   input.nuisances.reset();
   std::optional<NuisanceEvidence> evidence;
-  if (priors == Priors::weighed && input.views.size() >= least_views_to_weigh) {
+  if (priors != Priors::as_given && input.views.size() >= least_views_to_weigh) {
     problem.linearize(state);
-    evidence = problem.nuisance_evidence(state);
+    evidence = problem.nuisance_evidence(state, priors);
   }
   if (evidence) {
     input.nuisances = weigh_nuisances(*evidence);

@@ -14,7 +14,7 @@ constexpr double least_sigma = 1e-4;
 
 /// The deviations in units of their `sigma` under one choice of factors.
 struct Component {
-  double log_weight = 0, log_cautious = 0;
+  double log_mean_weight = 0, log_covariance_weight = 0;
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
@@ -72,10 +72,10 @@ std::vector<Component> components_of(const NuisanceEvidence& evidence, const Eig
       size(i) = evidence.sizes[g][choice[g]].factor;
     }
     Component component = component_of(H, h, size);
-    component.log_weight +=
-        std::log(chance_of(evidence, groups, choice, &NuisanceSize::chance, &RightTogether::chance));
-    component.log_cautious +=
-        std::log(chance_of(evidence, groups, choice, &NuisanceSize::cautious, &RightTogether::cautious));
+    component.log_mean_weight += std::log(
+        chance_of(evidence, groups, choice, &NuisanceSize::mean_chance, &RightTogether::mean_chance));
+    component.log_covariance_weight += std::log(chance_of(
+        evidence, groups, choice, &NuisanceSize::covariance_chance, &RightTogether::covariance_chance));
     list.push_back(std::move(component));
     more = false;
     for (const std::size_t g : groups) {
@@ -105,14 +105,14 @@ NuisancePrior weigh_nuisances(const NuisanceEvidence& evidence) {
   const Eigen::MatrixXd H = unit * evidence.H * unit;
   const Eigen::VectorXd h = unit * evidence.h;
   const std::vector<Component> components = components_of(evidence, H, h);
-  const std::vector<double> weights = weights_of(components, &Component::log_weight);
-  const std::vector<double> cautious = weights_of(components, &Component::log_cautious);
+  const std::vector<double> weights = weights_of(components, &Component::log_mean_weight);
+  const std::vector<double> spread_weights = weights_of(components, &Component::log_covariance_weight);
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
   for (std::size_t i = 0; i < components.size(); ++i) mean += weights[i] * components[i].mean;
   Eigen::MatrixXd covariance = least_sigma * least_sigma * Eigen::MatrixXd::Identity(count, count);
   for (std::size_t i = 0; i < components.size(); ++i) {
     const Eigen::VectorXd off = components[i].mean - mean;
-    covariance += cautious[i] * (components[i].covariance + off * off.transpose());
+    covariance += spread_weights[i] * (components[i].covariance + off * off.transpose());
   }
   const Eigen::MatrixXd posterior = covariance.llt().solve(Eigen::MatrixXd::Identity(count, count));
   // A mixture of two minds may be less certain than the views alone: no prior does that.

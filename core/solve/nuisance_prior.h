@@ -15,15 +15,15 @@ struct NuisancePrior {
 
 /// How far off the given values of a group may be.
 struct NuisanceSize {
-  double factor = 0;    ///< on the deviations' `sigma`; 0: they are right
-  double chance = 0;    ///< of this factor before the views were asked, for the mean..
-  double cautious = 0;  ///< ..and for the covariance
+  double factor = 0;             ///< on the deviations' `sigma`; 0: they are right
+  double mean_chance = 0;        ///< of this factor before the views were asked, for the mean..
+  double covariance_chance = 0;  ///< ..and for the covariance
 };
 
 /// Groups that have a cause to be right together, and the chance of that cause.
 struct RightTogether {
   std::vector<int> groups;
-  double chance = 0, cautious = 0;  ///< see NuisanceSize
+  double mean_chance = 0, covariance_chance = 0;  ///< see NuisanceSize
 };
 
 /// What the views say of the deviations that are not held, everything else marginalised: 1/2 d'Hd - h'd.

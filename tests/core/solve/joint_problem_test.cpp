@@ -166,7 +166,7 @@ TEST(JointProblem, ACornerThatIsNoNumberLeavesNothingDetermined) {
   problem.linearize(example.state);
   EXPECT_FALSE(problem.step(0));
   EXPECT_FALSE(problem.information().allFinite());
-  EXPECT_FALSE(problem.nuisance_evidence(example.state));
+  EXPECT_FALSE(problem.nuisance_evidence(example.state, Priors::doubted));
   EXPECT_EQ(problem.lidar_place_sigma(), std::numeric_limits<double>::infinity());
 }
 

@@ -155,5 +155,20 @@ TEST(WrongObjects, NoWrongAnswerIsCalledGood) {
   EXPECT_GE(good, runs / 2);
 }
 
+TEST(WrongObjects, OneMakesGivenValuesLessBelieved) {
+  ScenarioFile file = load("paper", 3200);
+  std::vector<SimulatedView> views = pool_of(file.scenario, 12);
+  const Rig rig = rig_of(file.scenario);
+  const auto alone = calibrate_features(rig, views);
+  file.scenario.wrong_fraction = 1;
+  views.push_back(pool_of(file.scenario, 1).front());
+  const auto with = calibrate_features(rig, views);
+  ASSERT_TRUE(alone && with);
+  ASSERT_FALSE(with->views.back().used);
+  const CalibratedTransform &without_it = alone->transforms.front(), &with_it = with->transforms.front();
+  EXPECT_LT((with_it.T_parent_child.t - without_it.T_parent_child.t).norm(), 1e-4);
+  EXPECT_GT(with_it.covariance.trace(), 1.05 * without_it.covariance.trace());
+}
+
 }  // namespace
 }  // namespace ca2
