@@ -1,5 +1,6 @@
 #include "core/features/feature_cache.h"
 
+#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -13,7 +14,7 @@ namespace ca2 {
 namespace {
 
 constexpr std::uint64_t magic =
-    0x3530534541324143;  // "CA2AES05" on little-endian machines: others start anew
+    0x3630534541324143;  // "CA2AES06" on little-endian machines: others start anew
 
 class Writer {
  public:
@@ -73,7 +74,12 @@ class Reader {
 struct Header {
   std::uint64_t magic = 0, settings = 0, size = 0, content = 0, payload = 0;
   std::int64_t changed = 0;
+  std::uint64_t own = 0;  ///< digest of all before it
 };
+
+std::uint64_t digest_of(const Header& header) {
+  return ContentDigest::of({reinterpret_cast<const char*>(&header), offsetof(Header, own)});
+}
 
 /// Size and time of change; a missing file has neither.
 bool describe(const std::filesystem::path& data, Header& header) {
@@ -84,13 +90,13 @@ bool describe(const std::filesystem::path& data, Header& header) {
   return !error;
 }
 
+}  // namespace
+
 std::optional<std::uint64_t> content_of(const std::filesystem::path& data) {
   const Result<std::string> text = read_text(data, std::size_t{1} << 30);
   if (!text) return std::nullopt;
   return ContentDigest::of(*text);
 }
-
-}  // namespace
 
 FeatureCache::FeatureCache(std::filesystem::path directory, const std::string& settings)
     : directory_(std::move(directory)), settings_(ContentDigest::of(settings)) {}
@@ -106,8 +112,8 @@ std::optional<std::string> FeatureCache::load(const std::string& name,
   std::memcpy(&kept, text.data(), sizeof(Header));
   std::string payload = text.substr(sizeof(Header));
   Header now;
-  if (kept.magic != magic || kept.settings != settings_ || kept.payload != ContentDigest::of(payload) ||
-      !describe(data, now) || kept.size != now.size) {
+  if (kept.magic != magic || kept.own != digest_of(kept) || kept.settings != settings_ ||
+      kept.payload != ContentDigest::of(payload) || !describe(data, now) || kept.size != now.size) {
     return std::nullopt;
   }
   if (kept.changed != now.changed && content_of(data) != kept.content) return std::nullopt;
@@ -124,6 +130,7 @@ void FeatureCache::store(const std::string& name, const std::filesystem::path& d
   header.settings = settings_;
   header.content = *content;
   header.payload = ContentDigest::of(payload);
+  header.own = digest_of(header);
   std::error_code error;
   const std::filesystem::path file = directory_ / name;
   std::filesystem::create_directories(file.parent_path(), error);
@@ -136,6 +143,19 @@ void FeatureCache::store(const std::string& name, const std::filesystem::path& d
     if (!out.good()) return;
   }
   std::filesystem::rename(aside, file, error);
+}
+
+std::optional<std::uint64_t> FeatureCache::content(const std::string& name,
+                                                   const std::filesystem::path& data) const {
+  if (directory_.empty()) return std::nullopt;
+  std::ifstream file(directory_ / name, std::ios::binary);
+  Header kept, now;
+  if (!file.read(reinterpret_cast<char*>(&kept), sizeof(Header)) || kept.magic != magic ||
+      kept.own != digest_of(kept)) {
+    return std::nullopt;
+  }
+  if (!describe(data, now) || kept.size != now.size || kept.changed != now.changed) return std::nullopt;
+  return kept.content;
 }
 
 std::optional<ImageFeatures> FeatureCache::load_image(const std::string& name,

@@ -18,6 +18,9 @@ struct ImageFeatures {
   std::vector<Corner> corners;
 };
 
+/// ContentDigest of a file; nothing where it cannot be read.
+std::optional<std::uint64_t> content_of(const std::filesystem::path& data);
+
 /// Files under SESSION/cache: derived, safe to delete, never trusted further than their key and checksum go.
 /// The key is the content of the data file and every setting that shapes the features. The content is taken
 /// as unchanged while the file's size and time of change are, so that a second solve reads features only.
@@ -35,6 +38,10 @@ class FeatureCache {
                    std::optional<std::uint64_t> content, const ImageFeatures& features) const;
   void store_cloud(const std::string& name, const std::filesystem::path& data,
                    std::optional<std::uint64_t> content, const std::vector<LidarSight>& sights) const;
+
+  /// ContentDigest of the data file, as it was stored with the features; nothing where it is not known any
+  /// more.
+  std::optional<std::uint64_t> content(const std::string& name, const std::filesystem::path& data) const;
 
  private:
   std::optional<std::string> load(const std::string& name, const std::filesystem::path& data) const;

@@ -191,6 +191,14 @@ Result<std::vector<SensorFile>> list_files(const Session& session, const std::ve
   return files;
 }
 
+void add_contents(const Session& session, std::vector<SensorFile>& files, bool cached) {
+  const FeatureCache cache = cached ? cache_of(session) : FeatureCache({}, {});
+  for (SensorFile& file : files) {
+    file.content = cache.content(cached_name(session, file), file.path);
+    if (!file.content) file.content = content_of(file.path);
+  }
+}
+
 void search(const Session& session, std::vector<SensorFile>& files, const ExtractOptions& options) {
   const FeatureCache cache = options.cache ? cache_of(session) : FeatureCache({}, {});
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));

@@ -47,6 +47,9 @@ void keep_found(const Session& session, const std::vector<SensorFile>& files);
 /// What the searched files of one view (at least one) show together. Fails as extract_view does.
 Result<ViewSights> view_sights(const Session& session, std::vector<SensorFile> files);
 
+/// ContentDigest of each file, from the cache where it knows; those that cannot be read have none.
+void add_contents(const Session& session, std::vector<SensorFile>& files, bool cache);
+
 /// Fills in what each file shows, from the cache where it knows.
 void search(const Session& session, std::vector<SensorFile>& files, const ExtractOptions& options);
 

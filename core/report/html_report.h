@@ -27,6 +27,7 @@ struct ReportInput {
   std::vector<std::string> missing;        ///< what stands between this session and an answer, for a person
   std::optional<Session> session;          ///< none: it cannot be opened
   std::optional<Calibration> calibration;  ///< none: not solved
+  std::optional<Problem> outdated;         ///< the session is not what the answer was made of any more
   std::optional<Evidence> evidence;
   std::vector<ReportPicture> pictures;
   std::string cloud;              ///< JPEG: the scan in the camera's colours; empty: none

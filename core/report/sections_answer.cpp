@@ -91,7 +91,12 @@ std::string verdict_section(const ReportInput& input) {
     out += "</ul>\n";
   }
   if (!input.calibration) return out;
-  std::string answer = answer_in_words(*input.calibration) + checks_in_words(*input.calibration);
+  std::string answer;
+  if (input.outdated) {
+    answer = "<p class=\"verdict missing\">Outdated</p>\n<p>" +
+             escaped(Error(ErrorCode::data, {*input.outdated}).text()) + "</p>\n";
+  }
+  answer += answer_in_words(*input.calibration) + checks_in_words(*input.calibration);
   for (const std::string& note : input.calibration->notes) answer += "<p>Note: " + escaped(note) + "</p>\n";
   return answer + out;
 }

@@ -52,6 +52,14 @@ struct CalibratedView {
   double plane_rms = 0;         ///< m
 };
 
+/// What the answer was made of, as digests in hexadecimal: to tell whether it still is what the session
+/// holds.
+struct CalibrationInputs {
+  std::map<std::string, std::string> rig;  ///< by part: "board", "cameras.NAME", "lidars.NAME", "extrinsics"
+  /// By view and sensor. A view without sensors was there, and was not asked for.
+  std::map<int, std::map<std::string, std::string>> views;
+};
+
 struct Observability {
   std::string verdict;            ///< "good", "weak" or "refused"
   std::string weakest_direction;  ///< in words
@@ -79,6 +87,7 @@ struct Calibration {
   std::vector<CalibratedView> views;
   std::vector<std::string>
       notes;  ///< what a person should know about how the answer came about; may be empty
+  std::optional<CalibrationInputs> inputs;  ///< none: not known
 };
 
 /// result.yaml's text, 17 significant digits. Every camera has a model.

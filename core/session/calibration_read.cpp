@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -21,7 +22,7 @@ class CalibrationParser {
     if (root.is_null()) return fail(ErrorCode::data, file_, "is empty");
     if (reader_.map(&root, "the result",
                     {"version", "software", "method", "transforms", "cameras", "lidars", "print",
-                     "observability", "validation", "views", "notes"})) {
+                     "observability", "validation", "views", "notes", "inputs"})) {
       const YamlNode* version = reader_.require(root, "version", "the result");
       const auto number = reader_.integer(version, 0, 1000000);
       if (number && *number != 1) {
@@ -39,6 +40,7 @@ class CalibrationParser {
       for_list(root.find("views"), [&](const YamlNode& n) { view(n); });
       for_list(root.find("notes"),
                [&](const YamlNode& n) { result_.notes.push_back(reader_.text(&n).value_or("")); });
+      if (const YamlNode* node = root.find("inputs")) inputs(*node);
     }
     if (!reader_.problems().empty()) return fail(ErrorCode::data, reader_.problems());
     return std::move(result_);
@@ -168,6 +170,30 @@ class CalibrationParser {
         reader_.integer(reader_.require(node, "id", "the view"), 0, std::numeric_limits<int>::max());
     result_.views.push_back({static_cast<int>(id.value_or(0)), flag(node, "used"), words(node, "reason"),
                              figure(node, "reprojection_rms_px"), figure(node, "plane_rms_mm") / per_milli});
+  }
+
+  std::map<std::string, std::string> digests(const YamlNode& node) {
+    std::map<std::string, std::string> read;
+    for_map(&node, [&](const YamlNode& n) { read[n.key] = reader_.text(&n).value_or(""); });
+    return read;
+  }
+
+  void inputs(const YamlNode& node) {
+    if (!reader_.map(&node, "inputs", {"rig", "views"})) return;
+    const YamlNode* rig = reader_.require(node, "rig", "inputs");
+    const YamlNode* views = reader_.require(node, "views", "inputs");
+    if (!rig || !views) return;
+    CalibrationInputs& inputs = result_.inputs.emplace();
+    inputs.rig = digests(*rig);
+    for_map(views, [&](const YamlNode& view) {
+      int id = 0;
+      const char* end = view.key.data() + view.key.size();
+      if (const auto read = std::from_chars(view.key.data(), end, id);
+          read.ec != std::errc() || read.ptr != end) {
+        return reader_.key_problem(view, "'" + view.key + "' is no view's number", {});
+      }
+      inputs.views[id] = digests(view);
+    });
   }
 
   const std::string& file_;

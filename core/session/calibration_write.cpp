@@ -64,6 +64,23 @@ void write_view(std::string& out, const CalibratedView& view) {
          ", plane_rms_mm: " + exact(per_milli * view.plane_rms) + "}\n";
 }
 
+std::string digests_text(const std::map<std::string, std::string>& digests) {
+  std::string out;
+  for (const auto& [name, digest] : digests) {
+    out += (out.empty() ? "" : ", ") + yaml_string(name) + ": " + yaml_string(digest);
+  }
+  return "{" + out + "}";
+}
+
+void write_inputs(std::string& out, const CalibrationInputs& inputs) {
+  out += "inputs:  # digests of what this was made of: it is told when the session holds something else\n";
+  out += "  rig: " + digests_text(inputs.rig) + "\n";
+  out += std::string("  views:") + (inputs.views.empty() ? " {}" : "") + "\n";
+  for (const auto& [id, files] : inputs.views) {
+    out += "    " + std::to_string(id) + ": " + digests_text(files) + "\n";
+  }
+}
+
 /// "name:" and its entries, or "name: []" / "{}".
 template <class Entries, class Write>
 void write_section(std::string& out, const char* name, const char* empty, const Entries& entries,
@@ -128,6 +145,7 @@ std::string to_yaml(const Calibration& calibration) {
   out += "  reprojection_rms_px: " + exact(v.reprojection_rms) + "\n";
   out += "  range_rms_mm: " + exact(per_milli * v.range_rms) + "\n";
   write_section(out, "views", "[]", c.views, [&](const auto& view) { write_view(out, view); });
+  if (c.inputs) write_inputs(out, *c.inputs);
   return out;
 }
 
@@ -168,6 +186,10 @@ std::string to_json(const Calibration& calibration) {
                              {"reason", view.reason},
                              {"reprojection_rms_px", view.reprojection_rms},
                              {"plane_rms_mm", per_milli * view.plane_rms}});
+  }
+  if (c.inputs) {
+    Json& inputs = json["inputs"] = {{"rig", c.inputs->rig}, {"views", Json::object()}};
+    for (const auto& [id, files] : c.inputs->views) inputs["views"][std::to_string(id)] = files;
   }
   // A number that is not finite becomes null, a byte that is no UTF-8 the replacement character.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

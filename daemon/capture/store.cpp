@@ -8,6 +8,7 @@
 
 #include "core/capture/store_view.h"
 #include "core/features/extract.h"
+#include "core/features/result_inputs.h"
 #include "core/io/files.h"
 #include "daemon/config/check_sources.h"
 #include "daemon/log.h"
@@ -65,6 +66,15 @@ SessionSummary summarise(const fs::path& directory, const Rig& rig) {
 
 tl::unexpected<Error> no_such_session(const std::string& name) {
   return fail(ErrorCode::usage, "", "there is no session '" + name + "'", "`ca2 session list` shows them");
+}
+
+/// Views that were written while it was solved are none that the answer was made of.
+Session with_views_of(Session session, const Calibration& answer) {
+  std::erase_if(session.views, [&](const SessionView& view) {
+    const auto is_it = [&](const CalibratedView& solved) { return solved.id == view.id; };
+    return std::none_of(answer.views.begin(), answer.views.end(), is_it);
+  });
+  return session;
 }
 
 /// s of a CPU that this thread has had.
@@ -245,11 +255,12 @@ void Store::remove(int view, Answer<bool> answer) {
 
 void Store::write_result(const Calibration* calibration, Answer<bool> answer) {
   run<bool>(
-      [this, text = calibration ? to_yaml(*calibration) : std::string()]() -> Result<bool> {
+      [this, answer = calibration ? std::optional(*calibration) : std::nullopt]() mutable -> Result<bool> {
         const fs::path file = session_.directory / "result.yaml";
         std::error_code error;
-        if (!text.empty()) {
-          const auto written = write_atomically(file, text);
+        if (answer) {
+          answer->inputs = result_inputs(with_views_of(session_, *answer), {});
+          const auto written = write_atomically(file, to_yaml(*answer));
           return written ? Result<bool>(true) : Result<bool>(fail(written.error()));
         }
         fs::rename(file, session_.directory / "result.previous.yaml", error);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/features/result_inputs.h"
 #include "core/features/search.h"
 #include "core/io/files.h"
 #include "core/io/yaml.h"
@@ -115,7 +116,12 @@ Finding check_session(const fs::path& directory) {
   for (const SessionView& view : session->views) check_view(view, session->rig, finding);
   const fs::path result = directory / "result.yaml";
   if (fs::exists(result)) {
-    if (const auto calibration = read_calibration(result); !calibration) finding.add(calibration.error());
+    const auto calibration = read_calibration(result);
+    if (!calibration) {
+      finding.add(calibration.error());
+    } else if (auto outdated = outdated_result(*calibration, *session)) {
+      finding.warnings.push_back(std::move(*outdated));
+    }
   }
   return finding;
 }

@@ -7,10 +7,12 @@
 #include <memory>
 
 #include "core/export/known_frames.h"
+#include "core/features/result_inputs.h"
 #include "core/io/files.h"
 #include "core/session/calibration.h"
 #include "core/session/session.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/print_warnings.h"
 #include "tools/ca2/provenance.h"
 
 namespace ca2 {
@@ -117,6 +119,7 @@ Result<int> run_export(const Options& options) {
   Result<FrameGraph> frames = FrameGraph::of(*calibration);
   if (!frames) return fail(frames.error());
   if (const auto added = add_known(*frames, options); !added) return fail(added.error());
+  if (const auto outdated = outdated_result(*calibration, *session)) print_warnings({*outdated});
   if (calibration->observability.verdict != "good") {
     std::fprintf(stderr, "ca2: %s: warning: the verdict is '%s'; more views would make this better: %s\n",
                  file.string().c_str(), calibration->observability.verdict.c_str(),
@@ -173,7 +176,8 @@ CommandBody setup_export(CLI::App& app) {
       "T_parent_child is the pose of the child in its parent: it maps points of the child to the parent. A\n"
       "camera's frame is optical (x right, y down, z forward); its NAME_link (x forward, y left, z up) is\n"
       "known by its name. What a format cannot express is refused (exit status 1), never rounded or left "
-      "out.");
+      "out.\n"
+      "A session whose views or rig changed since it was solved is exported with a warning.");
   return [options] { return run_export(*options); };
 }
 

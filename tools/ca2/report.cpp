@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <memory>
 
+#include "core/features/result_inputs.h"
 #include "core/io/files.h"
 #include "core/report/html_report.h"
 #include "core/solve/calibrate.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/provenance.h"
 #include "tools/ca2/report_pictures.h"
@@ -43,6 +45,7 @@ void fill(ReportInput& input, ReportPictures& pictures, std::optional<Error>& fa
     const Result<Calibration> calibration = read_calibration(file);
     if (calibration) {
       input.calibration = *calibration;
+      input.outdated = outdated_result(*calibration, session);
     } else {
       failure = calibration.error();
       tell_missing(input, *failure);
@@ -109,6 +112,7 @@ Result<int> report(const std::string& directory) {
     if (const auto written = put("cloud.ply", pictures.ply); !written) return fail(written.error());
   }
   if (failure) return fail(*failure);
+  if (input.outdated) print_warnings({*input.outdated});
   for (const std::string& line : input.missing)
     std::fprintf(stderr, "ca2: %s: warning: %s\n", directory.c_str(), line.c_str());
   return 0;

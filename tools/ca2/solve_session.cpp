@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/features/extract.h"
+#include "core/features/result_inputs.h"
 #include "core/guidance/next_pose.h"
 #include "core/io/files.h"
 #include "core/session/session.h"
@@ -123,6 +124,7 @@ Result<int> solve_session(const SolveArguments& arguments) {
     set_aside(output);
     return fail(calibration.error());
   }
+  calibration->inputs = result_inputs(*session, extract.views, extract.cache);
   const Result<void> written = write_atomically(output, to_yaml(*calibration));
   // An answer that took minutes is shown whether or not it can be kept.
   if (arguments.json) {

@@ -47,6 +47,8 @@ Calibration example() {
   c.validation = {0.0012, 0.0008, 0.0021, 0.11, 0.012};
   c.views = {{1, true, "", 0.1, 0.011}, {2, false, "the board's plane: 35 mm off, 9 sigma", 0.3, 0.035}};
   c.notes = {"the plates' outlines: \"left out\"", "second"};
+  c.inputs = {{{"board", "0123456789012345"}, {"cameras.left", "00000000000001e5"}},
+              {{1, {{"left", "ffffffffffffffff"}, {"top", "none"}}}, {2, {}}}};
   return c;
 }
 
@@ -90,6 +92,9 @@ TEST(Calibration, RoundTrips) {
   EXPECT_DOUBLE_EQ(read->views[1].plane_rms, 0.035);
   EXPECT_FALSE(read->views[1].used);
   EXPECT_EQ(read->notes, c.notes);
+  ASSERT_TRUE(read->inputs);
+  EXPECT_EQ(read->inputs->rig, c.inputs->rig);
+  EXPECT_EQ(read->inputs->views, c.inputs->views);
 }
 
 TEST(Calibration, AnEmptyOneAndUnknownFiguresRoundTrip) {
@@ -99,6 +104,7 @@ TEST(Calibration, AnEmptyOneAndUnknownFiguresRoundTrip) {
   const auto read = parse_calibration(to_yaml(c), "result.yaml");
   ASSERT_TRUE(read) << read.error().text();
   EXPECT_TRUE(read->transforms.empty());
+  EXPECT_FALSE(read->inputs);
   EXPECT_FALSE(read->validation.outline_offset);
   EXPECT_TRUE(std::isnan(read->validation.range_rms));
   EXPECT_TRUE(nlohmann::json::parse(to_json(c))["validation"]["range_rms_mm"].is_null());
@@ -149,6 +155,7 @@ TEST(Calibration, DamagedResultsAreNamed) {
   EXPECT_NE(error_with("w: 0.", "w: 1.").find("quaternion"), std::string::npos);
   EXPECT_NE(error_with("pinhole_radtan", "radtan").find("no camera model 'radtan'"), std::string::npos);
   EXPECT_NE(error_with("used: true", "used: maybe").find("true or false"), std::string::npos);
+  EXPECT_NE(error_with("    2: {}", "    two: {}").find("'two' is no view's number"), std::string::npos);
   for (std::size_t size = 0; size < text.size(); size += 7) {
     parse_calibration(text.substr(0, size), "result.yaml");  // an error or not, but no crash
   }
