@@ -180,10 +180,14 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
     if (rig) finding.warnings = rig_doubts(*rig, file.string());
   } else {
     finding.kind = "camera intrinsics";
-    take(finding, read_intrinsics(file), [](const Camera& camera) {
+    const Result<Camera> intrinsics = read_intrinsics(file);
+    take(finding, intrinsics, [](const Camera& camera) {
       return std::string(camera.model->name()) + ", " + std::to_string(camera.width) + " x " +
              std::to_string(camera.height);
     });
+    if (auto doubt = intrinsics ? camera_doubt(*intrinsics, file.string()) : std::nullopt) {
+      finding.warnings.push_back(std::move(*doubt));
+    }
   }
   return finding;
 }

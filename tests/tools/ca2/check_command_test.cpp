@@ -91,6 +91,24 @@ TEST_F(CheckCommand, AModelThatIsNotKnownIsDoubtedByCheckAndSolve) {
   EXPECT_NE(solve().errors.find(words), std::string::npos);
 }
 
+TEST_F(CheckCommand, ADistortionThatIsNoLenssIsDoubted) {
+  edit_rig("-0.12", "500");
+  const Outcome rig = run_ca2({"check", session / "session.yaml"});
+  EXPECT_EQ(rig.status, 0) << rig.errors;
+  EXPECT_NE(rig.errors.find("session.yaml: warning: front: the distortion draws what is "), std::string::npos)
+      << rig.errors;
+  EXPECT_NE(rig.errors.find("(k1 = 500); are these the coefficients of a pinhole_radtan"), std::string::npos)
+      << rig.errors;
+  write_bytes(folder / "fisheye.yaml",
+              "distortion_model: fisheye\nwidth: 640\nheight: 480\nD: [-5, 0, 0, 0]\n"
+              "K: [518, 0, 318, 0, 518, 243, 0, 0, 1]\n");
+  const Outcome lens = run_ca2({"check", folder / "fisheye.yaml"});
+  EXPECT_EQ(lens.status, 0) << lens.errors;
+  EXPECT_NE(lens.errors.find("fisheye.yaml: warning: the distortion folds back 15 degrees"),
+            std::string::npos)
+      << lens.errors;
+}
+
 TEST_F(CheckCommand, ARecordingIsJudgedByWhatReplayingItReads) {
   const fs::path recording = folder / "recording";
   const fs::path pictures = recording / "cameras" / "front";
