@@ -1,5 +1,6 @@
 #include "drivers/lidar/ouster/metadata.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -8,6 +9,7 @@
 #include <optional>
 
 #include "core/io/files.h"
+#include "core/types/text.h"
 #include "drivers/lidar/ouster/metadata_defaults.h"
 #include "drivers/lidar/ouster/profile.h"
 
@@ -20,6 +22,9 @@ constexpr std::array sections{"sensor_info",   "beam_intrinsics",   "imu_intrins
                               "config_params", "lidar_data_format", "calibration_status"};
 constexpr int max_pixels = 512;
 constexpr int max_columns = 16384;
+constexpr double max_offset = 1e4;  // mm
+constexpr const char* no_real_sensor =
+    "that is no real sensor's: save it again from the sensor's http://SENSOR/api/v1/sensor/metadata";
 
 /// Looks a key up wherever the two layouts keep it, and notes what is wrong with its value.
 class Reader {
@@ -209,6 +214,30 @@ void read_shifts(const Reader& in, OusterMetadata& out) {
   out.pixel_shift = default_pixel_shift(out.azimuth, out.columns_per_frame);
 }
 
+bool is_transform(const Eigen::Matrix4d& m) {
+  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
+  return (R.transpose() * R).isIdentity(1e-3) && R.determinant() > 0 &&
+         m.topRightCorner<3, 1>().cwiseAbs().maxCoeff() <= max_offset;
+}
+
+/// Angles of which points would be made that nobody can use.
+void check_angles(const Reader& in, const OusterMetadata& out) {
+  const auto beyond = [](const std::vector<double>& angles, double most) {
+    return std::any_of(angles.begin(), angles.end(), [&](double angle) { return std::abs(angle) > most; });
+  };
+  if (beyond(out.altitude, 90))
+    in.wrong("beam_altitude_angles", "must be from -90 to 90 degrees", no_real_sensor);
+  if (beyond(out.azimuth, 360))
+    in.wrong("beam_azimuth_angles", "must be from -360 to 360 degrees", no_real_sensor);
+  const auto [least, most] = std::minmax_element(out.altitude.begin(), out.altitude.end());
+  if (out.altitude.size() > 1 && *least == *most) {
+    in.wrong("beam_altitude_angles",
+             "all " + std::to_string(out.altitude.size()) + " beams have the same, " +
+                 formatted("%g degrees", *least),
+             no_real_sensor);
+  }
+}
+
 void read_geometry(const Reader& in, OusterMetadata& out) {
   constexpr const char* beams = "beam_intrinsics";
   if (const auto m = in.transform({beams, ""}, "beam_to_lidar_transform")) {
@@ -224,9 +253,13 @@ void read_geometry(const Reader& in, OusterMetadata& out) {
       in.transform({"lidar_intrinsics", ""}, "lidar_to_sensor_transform").value_or(default_lidar_to_sensor());
   out.imu_to_sensor =
       in.transform({"imu_intrinsics", ""}, "imu_to_sensor_transform").value_or(default_imu_to_sensor());
-  const auto zero = [](double angle) { return angle == 0; };
-  if (std::all_of(out.altitude.begin(), out.altitude.end(), zero)) {
-    out.warnings.push_back("every beam altitude is 0: this is not a real sensor's metadata");
+  for (const auto& [key, matrix] : {std::pair{"lidar_to_sensor_transform", &out.lidar_to_sensor},
+                                    std::pair{"imu_to_sensor_transform", &out.imu_to_sensor}}) {
+    if (!is_transform(*matrix))
+      in.wrong(key, "is no rotation with a translation of less than 10 m", no_real_sensor);
+  }
+  if (std::max(std::abs(out.beam_origin_x), std::abs(out.beam_origin_z)) > max_offset) {
+    in.wrong("beam_to_lidar_transform", "the beams begin more than 10 m off", no_real_sensor);
   }
 }
 
@@ -281,6 +314,7 @@ Result<OusterMetadata> parse_ouster_metadata(const std::string& text, const std:
                         std::to_string(out.pixels_per_column) + " pixels per column");
     }
   }
+  check_angles(in, out);
   if (!problems.empty()) return fail(ErrorCode::data, std::move(problems));
   read_shifts(in, out);
   read_geometry(in, out);

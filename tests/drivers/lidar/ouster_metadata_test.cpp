@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -50,17 +51,34 @@ TEST(OusterMetadata, MalformedFilesGetTheVendorsVerdict) {
     EXPECT_EQ(refused.error().code, ErrorCode::data);
     EXPECT_NE(refused.error().text().find("incomplete"), std::string::npos) << refused.error().text();
   }
-  for (const char* name : {"complete_but_all_zeros_legacy", "incomplete_data_format_nonlegacy"}) {
-    const auto warned = read(name);
-    ASSERT_TRUE(warned) << warned.error().text();
-    EXPECT_FALSE(warned->warnings.empty()) << name;
-  }
+  const auto warned = read("incomplete_data_format_nonlegacy");
+  ASSERT_TRUE(warned) << warned.error().text();
+  EXPECT_FALSE(warned->warnings.empty());
+}
+
+/// The vendor reads it, with warnings: every point would be in one plane.
+TEST(OusterMetadata, AnglesThatAreAllZeroAreRefused) {
+  CA2_NEEDS_PACKETS(packet_file("ouster/metadata/malformed"));
+  const auto zeros =
+      read_ouster_metadata(packet_file("ouster/metadata/malformed/complete_but_all_zeros_legacy.json"));
+  ASSERT_FALSE(zeros);
+  EXPECT_EQ(zeros.error().code, ErrorCode::data);
+  EXPECT_NE(zeros.error().text().find("beam_altitude_angles: all 128 beams have the same, 0 degrees"),
+            std::string::npos)
+      << zeros.error().text();
+}
+
+/// From 20 degrees downwards.
+std::vector<double> altitudes(std::size_t count) {
+  std::vector<double> angles;
+  for (std::size_t i = 0; i < count; ++i) angles.push_back(20 - 0.5 * static_cast<double>(i));
+  return angles;
 }
 
 /// The smallest metadata there is, changed by `change`.
 Result<OusterMetadata> parse(const std::function<void(nlohmann::json&)>& change) {
   nlohmann::json json{{"lidar_mode", "1024x20"},
-                      {"beam_altitude_angles", std::vector<double>(64, 1.5)},
+                      {"beam_altitude_angles", altitudes(64)},
                       {"beam_azimuth_angles", std::vector<double>(64, 3.0)}};
   change(json);
   return parse_ouster_metadata(json.dump(), "sensor.json");
@@ -119,6 +137,30 @@ TEST(OusterMetadata, EveryProblemIsNamed) {
   EXPECT_FALSE(parse([](auto& json) { json["beam_altitude_angles"] = {{1, 2}, {3, 4}}; }));
   EXPECT_FALSE(parse([](auto& json) { json.erase("lidar_mode"); }));
   EXPECT_FALSE(parse([](auto& json) { json["lidar_to_sensor_transform"] = {1, 2, 3}; }));
+}
+
+TEST(OusterMetadata, GeometryThatIsNoSensorsIsRefused) {
+  const auto refused = [](const char* key, const nlohmann::json& value, const char* what) {
+    const auto metadata = parse([&](auto& json) { json[key] = value; });
+    ASSERT_FALSE(metadata) << key;
+    EXPECT_NE(metadata.error().text().find(std::string(key) + ": " + what), std::string::npos)
+        << metadata.error().text();
+  };
+  refused("beam_altitude_angles", std::vector<double>(64, 1.5), "all 64 beams have the same");
+  refused("beam_azimuth_angles", altitudes(63), "has 63 angles for 64 pixels");
+  std::vector<double> angles = altitudes(64);
+  angles[5] = 1e30;
+  refused("beam_altitude_angles", angles, "must be from -90 to 90");
+  refused("beam_azimuth_angles", angles, "must be from -360 to 360");
+  angles[5] = NAN;  // JSON has none: null
+  refused("beam_altitude_angles", angles, "must be a list of finite numbers");
+  refused("lidar_to_sensor_transform", std::vector<double>(16, 0), "is no rotation");
+  refused("imu_to_sensor_transform", {1, 0, 0, 1e30, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "is no rotation");
+  refused("beam_to_lidar_transform", {1, 0, 0, -1e30, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, "the beams begin");
+  EXPECT_TRUE(parse([](auto& json) {
+    json["beam_altitude_angles"] = {1.5};
+    json["beam_azimuth_angles"] = {3.0};
+  })) << "one beam has one angle";
 }
 
 }  // namespace
