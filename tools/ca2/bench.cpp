@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/ca2/command.h"
+#include "tools/ca2/number_in.h"
 
 namespace ca2 {
 
@@ -52,14 +53,15 @@ CommandBody setup_bench(CLI::App& app) {
                  "installed), a session, recordings");
   app.add_option("--repeats", options->bench.repeats,
                  "How often each measurement is made (the median counts)")
-      ->check(CLI::Range(1, 1000));
+      ->check(number_in(1, 1000));
   app.add_option("--seconds", options->bench.seconds, "ingest: how long each load at a steady rate lasts")
-      ->check(CLI::Range(0.1, 3600.0));
+      ->check(number_in(0.1, 3600));
   app.add_option("--seed", options->bench.seed,
-                 "accuracy, stereo, guidance: the seed of everything that is drawn");
+                 "accuracy, stereo, guidance: the seed of everything that is drawn")
+      ->type_name("N");
   app.add_option("--trials", options->bench.trials,
                  "accuracy, stereo: trials per cell (12, with --full 100); guidance: seeds (21)")
-      ->check(CLI::Range(1, 100000));
+      ->check(number_in(1, 100000));
   app.add_flag("--full", options->bench.full,
                "accuracy, stereo: 100 trials; accuracy: every number of views");
   app.add_option(

@@ -9,6 +9,7 @@
 #include "core/session/board_type_hint.h"
 #include "core/session/board_yaml.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/number_in.h"
 
 namespace ca2 {
 namespace {
@@ -115,17 +116,22 @@ CommandBody setup_board(CLI::App& app) {
       ->required()
       ->type_name("FILE");
   app.add_option(
-      "--columns", options->columns,
-      "checkerboard: inner corners along x; charuco: squares; aprilgrid: tags (default: 8; aprilgrid: 6)");
-  app.add_option("--rows", options->rows, "The same along y (default: 5; aprilgrid: 4)");
+         "--columns", options->columns,
+         "checkerboard: inner corners along x; charuco: squares; aprilgrid: tags (default: 8; aprilgrid: 6)")
+      ->check(number_in(1, 1000));
+  app.add_option("--rows", options->rows, "The same along y (default: 5; aprilgrid: 4)")
+      ->check(number_in(1, 1000));
   app.add_option("--square", options->square,
-                 "Side of a square, aprilgrid: of a tag, m (default: the most whole millimetres that fit)");
-  app.add_option("--marker", options->marker, "charuco: side of a marker, m (default: 3/4 of the square)");
+                 "Side of a square, aprilgrid: of a tag, m (default: the most whole millimetres that fit)")
+      ->check(number_in(1e-3, 10));
+  app.add_option("--marker", options->marker, "charuco: side of a marker, m (default: 3/4 of the square)")
+      ->check(number_in(1e-3, 10));
   app.add_option("--dictionary", options->dictionary, "charuco: OpenCV's name of the markers")
       ->capture_default_str();
-  app.add_option("--spacing", options->spacing, "aprilgrid: gap over tag (default: 0.3, as Kalibr's)");
+  app.add_option("--spacing", options->spacing, "aprilgrid: gap over tag (default: 0.3, as Kalibr's)")
+      ->check(number_in(0, 10));
   app.add_option("--dpi", options->dpi, "PNG: pixels per inch")
-      ->check(CLI::Range(20.0, 2400.0))
+      ->check(number_in(20, 2400))
       ->capture_default_str();
   app.footer(
       "Print at 100 % (no \"fit to page\") and measure the ruler. Glue it on a flat, stiff plate. The YAML "

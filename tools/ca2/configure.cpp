@@ -9,6 +9,7 @@
 #include "tools/ca2/command.h"
 #include "tools/ca2/configurable_sensor.h"
 #include "tools/ca2/host_port.h"
+#include "tools/ca2/number_in.h"
 
 namespace ca2 {
 namespace {
@@ -152,7 +153,7 @@ CommandBody setup_configure(CLI::App& app) {
   app.add_flag("--apply", options->apply, "Change the sensor; without it, say what would change");
   app.add_flag("--persist", options->persist, "With --apply: over power cycles too")->needs("--apply");
   app.add_option("--wait", options->wait, "Seconds an Ouster may take to restart")
-      ->check(CLI::PositiveNumber)
+      ->check(seconds())
       ->capture_default_str();
   app.add_flag("--json", options->as_json, "For programs");
   return [options] { return run(*options); };

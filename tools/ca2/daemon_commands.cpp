@@ -8,6 +8,7 @@
 #include "core/types/text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/daemon_link.h"
+#include "tools/ca2/number_in.h"
 
 namespace ca2 {
 namespace {
@@ -139,9 +140,12 @@ CommandBody setup_pick(CLI::App& app) {
   auto lidar = std::make_shared<std::string>();
   auto place = std::make_shared<std::tuple<int, int, double>>(0, 0, 0);
   app.add_option("lidar", *lidar, "Its name in the rig")->required();
-  app.add_option("row", std::get<0>(*place), "Ring")->required();
-  app.add_option("column", std::get<1>(*place), "Column of the projection by ID")->required();
-  app.add_option("radius", std::get<2>(*place), "px; default: what the board's size makes");
+  app.add_option("row", std::get<0>(*place), "Ring")->required()->check(number_in(0, 1000));
+  app.add_option("column", std::get<1>(*place), "Column of the projection by ID")
+      ->required()
+      ->check(number_in(0, 100000));
+  app.add_option("radius", std::get<2>(*place), "px; default: what the board's size makes")
+      ->check(number_in(0, 1000));
   return [options, lidar, place] {
     options->arguments = {{"lidar", *lidar},
                           {"row", std::get<0>(*place)},
@@ -162,7 +166,7 @@ CommandBody setup_views(CLI::App& app) {
 CommandBody setup_drop(CLI::App& app) {
   const auto options = add_options(app);
   auto view = std::make_shared<int>(0);
-  app.add_option("view", *view, "Its number (`ca2 views`)")->required();
+  app.add_option("view", *view, "Its number (`ca2 views`)")->required()->check(number_in(0, 1000000000));
   return [options, view] {
     options->arguments["view"] = *view;
     return call(*options, "drop", short_time, text_of);

@@ -15,6 +15,7 @@
 #include "drivers/net/ip_address.h"
 #include "drivers/net/pcap_reader.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/print_warnings.h"
 
 namespace ca2 {
@@ -216,7 +217,7 @@ CommandBody setup_decode(CLI::App& app) {
   app.add_option("--output", options->output, "Directory for scans.csv or 000000.pcd, ...")->required();
   app.add_option("--format", options->format, "csv or pcd")->check(CLI::IsMember({"csv", "pcd"}));
   app.add_option("--source", options->source, "Only packets from this address");
-  app.add_option("--port", options->port, "Only packets to this UDP port")->check(CLI::Range(1, 65535));
+  app.add_option("--port", options->port, "Only packets to this UDP port")->check(number_in(1, 65535));
   app.add_flag("--single", options->single, "Leave second returns out");
   app.add_option(
          "--azimuth", options->azimuth,

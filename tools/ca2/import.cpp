@@ -12,6 +12,7 @@
 #include "tools/ca2/import_log.h"
 #include "tools/ca2/import_pairs.h"
 #include "tools/ca2/kalibr_rig.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 
@@ -175,10 +176,10 @@ CommandBody setup_import(CLI::App& app) {
       ->type_name("SENSOR=CHANNEL");
   app.add_option("--output,-o", options->output, "Session to create")->required()->type_name("SESSION");
   app.add_option("--tolerance", options->tolerance, "Of times in names and messages, s")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(number_in(0, 10))
       ->capture_default_str();
   app.add_option("--every", options->every, "Take every N-th view only")
-      ->check(CLI::Range(1, 1000000))
+      ->check(number_in(1, 1000000))
       ->type_name("N");
   app.footer(
       "Pictures (PNG, JPEG) and clouds (PCD, PLY, CSV, NPY) are looked for in FOLDER/<sensor>, at any depth; "

@@ -11,6 +11,7 @@
 #include "tools/ca2/command.h"
 #include "tools/ca2/host_port.h"
 #include "tools/ca2/interrupt.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/packet_report.h"
 
 namespace ca2 {
@@ -78,11 +79,13 @@ CommandBody setup_play(CLI::App& app) {
   app.add_option("--to", options->to, "HOST or HOST:PORT; without a port, each datagram's own")->required();
   app.add_option("--speed", options->speed, "1: as recorded; 0: as fast as possible")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(number_in(0, 1000));
   app.add_option("--shift", options->shift,
                  "ns from a datagram's recorded time to the host's time at which it is sent, so that several "
-                 "players keep together (default: the first one is sent at once)");
-  app.add_option("--port", options->pcap.ports, "Only datagrams that were sent to these ports");
+                 "players keep together (default: the first one is sent at once)")
+      ->check(number_in(-4e18, 4e18));
+  app.add_option("--port", options->pcap.ports, "Only datagrams that were sent to these ports")
+      ->check(number_in(1, 65535));
   app.add_option("--source", options->pcap.sources, "Only datagrams from these addresses");
   app.add_flag("--json", options->as_json, "Report for programs");
   return [options] { return run(*options); };

@@ -14,6 +14,7 @@
 #include "tools/ca2/command.h"
 #include "tools/ca2/daemon_link.h"
 #include "tools/ca2/interrupt.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/packet_report.h"
 #include "tools/ca2/record_cameras.h"
 
@@ -196,11 +197,12 @@ CommandBody setup_record(CLI::App& app) {
   CLI::App* packets =
       app.add_subcommand("packets", "Raw LiDAR datagrams into capture files; needs no daemon");
   auto options = std::make_shared<PacketOptions>();
-  packets->add_option("--port", options->ports, "UDP ports")->capture_default_str();
+  packets->add_option("--port", options->ports, "UDP ports")
+      ->capture_default_str()
+      ->check(number_in(1, 65535));
   packets->add_option("--output", options->output, "FILE.pcap, or a directory for one file per port")
       ->required();
-  packets->add_option("--duration", options->duration, "Seconds; default: until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+  packets->add_option("--duration", options->duration, "Seconds; default: until Ctrl-C")->check(seconds());
   packets->add_option("--source", options->sources, "Only from these addresses");
   packets->add_option("--address", options->address, "Local address to receive on; default: all");
   packets->add_option("--group", options->group, "Multicast group to join");
@@ -216,7 +218,7 @@ CommandBody setup_record(CLI::App& app) {
   cameras->add_option("--output", camera_options->output, "The recording: OUTPUT/cameras/NAME/<utc_ns>.png")
       ->required();
   cameras->add_option("--duration", camera_options->duration, "Seconds; default: until Ctrl-C")
-      ->check(CLI::NonNegativeNumber);
+      ->check(seconds());
   cameras->add_flag("--json", camera_options->as_json, "Report for programs");
   cameras->footer(camera_drivers_help());
   auto body = std::make_shared<CommandBody>([options, camera_options, cameras] {

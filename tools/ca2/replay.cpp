@@ -8,6 +8,7 @@
 #include "drivers/recording/replay.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/hold_tally.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/solve_session.h"
@@ -75,13 +76,13 @@ CommandBody setup_replay(CLI::App& app) {
       ->required()
       ->type_name("DIR");
   app.add_option("--speed", options->replay.speed, "1: as it was recorded; 0: as fast as possible")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(number_in(0, 1000))
       ->capture_default_str();
   app.add_option("--dwell", options->replay.capture.dwell, "How long the board must be still, s")
-      ->check(CLI::Range(0.1, 10.0))
+      ->check(number_in(0.1, 10))
       ->capture_default_str();
   app.add_option("--threads", options->replay.threads, "Threads for the search (default: one per core)")
-      ->check(CLI::Range(1, 256));
+      ->check(number_in(1, 256));
   app.add_flag("--json", options->json, "Print the result as JSON");
   app.add_flag("--verbose", options->verbose, "Say on stderr what is captured, when, and why not");
   app.footer(

@@ -13,6 +13,7 @@
 #include "tools/ca2/command.h"
 #include "tools/ca2/configurable_sensor.h"
 #include "tools/ca2/interrupt.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/packet_report.h"
 
 namespace ca2 {
@@ -222,10 +223,11 @@ Result<int> run(const Options& options) {
 
 CommandBody setup_sensors(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("--port", options->ports, "Only LiDARs, on these UDP ports; default 7502 7503 2368 8308");
+  app.add_option("--port", options->ports, "Only LiDARs, on these UDP ports; default 7502 7503 2368 8308")
+      ->check(number_in(1, 65535));
   app.add_option("--duration", options->duration, "Seconds to listen")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(seconds());
   app.add_option("--pcap", options->pcap, "Look into this capture file instead");
   app.add_option("--group", options->group, "Multicast group to join");
   app.add_option("--interface", options->interface, "Interface for the group");

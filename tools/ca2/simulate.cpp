@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tools/ca2/command.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/progress.h"
 #include "tools/sim/recording_writer.h"
 #include "tools/sim/session_writer.h"
@@ -50,7 +51,7 @@ CommandBody setup_simulate(CLI::App& app) {
   app.add_option("--seed", options->seed, "Instead of the scenario's seed")->type_name("N");
   app.add_option("--views", options->views, "Instead of the scenario's number of views (recording: holds)")
       ->type_name("N")
-      ->check(CLI::Range(1, 100000));
+      ->check(number_in(1, 100000));
   return [options] { return simulate(*options); };
 }
 

@@ -6,6 +6,7 @@
 #include "tools/ca2/camera_source_text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/interrupt.h"
+#include "tools/ca2/number_in.h"
 
 namespace ca2 {
 namespace {
@@ -95,10 +96,10 @@ CommandBody setup_snap(CLI::App& app) {
   app.add_option("output", options->output, "FILE.png, replaced if it is there")->required();
   app.add_option("--imager", options->imager, "Which one, of a device that has several");
   app.add_option("--skip", options->skip, "Pictures before it, while automatics settle")
-      ->check(CLI::Range(0, 100000));
+      ->check(number_in(0, 100000));
   app.add_option("--timeout", options->timeout, "Seconds to wait for the picture")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber);
+      ->check(seconds());
   app.footer(camera_drivers_help());
   return [options] { return run(*options); };
 }

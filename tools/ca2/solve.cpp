@@ -6,6 +6,7 @@
 
 #include "tools/ca2/command.h"
 #include "tools/ca2/daemon_link.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/print_calibration.h"
 #include "tools/ca2/solve_session.h"
 
@@ -58,11 +59,11 @@ CommandBody setup_solve(CLI::App& app) {
   app.add_option("--views", arguments->views, "Use these views only, like 1,4,7-9");
   app.add_option("--best", arguments->best,
                  "Use only the so many views that together determine the answer best")
-      ->check(CLI::Range(3, 100000));
+      ->check(number_in(3, 100000));
   app.add_flag("--json", arguments->json, "Print the result as JSON");
   app.add_flag("--no-cache", arguments->no_cache, "Search every picture and cloud again, keep nothing");
   app.add_option("--threads", arguments->threads, "Threads for the search (default: one per core)")
-      ->check(CLI::Range(1, 256));
+      ->check(number_in(1, 256));
   app.footer(
       "Finds the board in every picture and cloud, calibrates all sensors of the rig at once and writes\n"
       "result.yaml with the covariance of every transform. Exit status 1 and no result when the views do\n"

@@ -14,6 +14,7 @@
 #include "tools/ca2/daemon_link.h"
 #include "tools/ca2/follow_status.h"
 #include "tools/ca2/interrupt.h"
+#include "tools/ca2/number_in.h"
 #include "tools/ca2/status_text.h"
 
 namespace ca2 {
@@ -98,7 +99,8 @@ CommandBody setup_status(CLI::App& app) {
   app.add_flag("--json", arguments->json, "For programs; with --watch one object per line");
   app.add_flag("--watch", arguments->watch, "Go on, a line whenever something changes");
   app.add_option("--timeout", arguments->timeout, "With --lcm: seconds to wait for the first status")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(seconds());
   app.footer(
       "With --lcm alone the status is taken from CA2_STATUS, of a live daemon or of a log that is played.");
   return [arguments, lcm] {
