@@ -191,11 +191,12 @@ class JointReport {
       CalibratedCamera& camera = calibration.cameras[names_.cameras[c]];
       camera.camera = answer_.state.cameras[c];
       camera.sigma.assign(static_cast<std::size_t>(camera.camera.parameters.size()), 0);
-      if (const auto own = options_.estimated.find(names_.cameras[c]); own != options_.estimated.end()) {
+      const auto own = options_.estimated.find(names_.cameras[c]);
+      if (own != options_.estimated.end()) {
         camera.sigma.assign(own->second.data(), own->second.data() + own->second.size());
         camera.sigma.resize(static_cast<std::size_t>(camera.camera.parameters.size()), 0);
       }
-      camera.estimated = options_.prior_focal > 0;
+      camera.estimated = options_.prior_focal > 0 || own != options_.estimated.end();
       for (Eigen::Index k = 0; k < answer_.free_intrinsics[c] && camera.estimated; ++k) {
         const Eigen::Index i = intrinsics_index(c) + k;
         camera.sigma[static_cast<std::size_t>(k)] = std::sqrt(answer_.covariance(i, i));

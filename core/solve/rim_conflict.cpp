@@ -15,6 +15,10 @@ constexpr double most_sigmas = 3.5;
 
 }  // namespace
 
+bool beyond_chance(const Vector6d& change, const Matrix6d& covariance) {
+  return !(change.dot(covariance.ldlt().solve(change)) < chi2_bound_6);
+}
+
 bool contradicts(const JointAnswer& answer, const JointAnswer& without) {
   if (!answer.covariance.allFinite()) return true;
   if (!without.covariance.allFinite()) return false;
@@ -22,7 +26,7 @@ bool contradicts(const JointAnswer& answer, const JointAnswer& without) {
   for (std::size_t l = 0; l < answer.state.T_ref_lidar.size(); ++l) {
     const Vector6d change = without.state.T_ref_lidar[l].difference(answer.state.T_ref_lidar[l]);
     const Eigen::Index i = 6 * static_cast<Eigen::Index>(cameras - 1 + l);
-    if (!(change.dot(without.covariance.block<6, 6>(i, i).ldlt().solve(change)) < chi2_bound_6)) return true;
+    if (beyond_chance(change, without.covariance.block<6, 6>(i, i))) return true;
   }
   return false;
 }

@@ -4,10 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/pose.h"
 #include "core/solve/joint_solver.h"
 #include "core/types/result.h"
 
 namespace ca2 {
+
+/// Is an answer's `change` (rotation rad, translation m) more than the `covariance` of one of both allows?
+bool beyond_chance(const Vector6d& change, const Matrix6d& covariance);
 
 /// Does `answer` lie further from the one `without` rims than that one's covariance allows?
 bool contradicts(const JointAnswer& answer, const JointAnswer& without);

@@ -19,8 +19,8 @@ struct Bound {
 };
 
 std::optional<Bound> bound_of(const Scenario& scenario, const Rig& rig,
-                              const std::vector<SimulatedView>& views, bool edges) {
-  const CalibrateOptions priors;
+                              const std::vector<SimulatedView>& views, const CalibrateOptions& priors,
+                              bool edges) {
   const auto covariance = cramer_rao(scenario, rig, views,
                                      {.edges = edges,
                                       .prior_focal = priors.prior_focal,
@@ -50,15 +50,16 @@ void add(MethodErrors& errors, const Result<Calibration>& answer, const Scenario
 
 /// One subset of views, solved by every method.
 Result<void> measure(const Scenario& scenario, const Rig& stated, const std::vector<SimulatedView>& views,
-                     AccuracyCell& cell) {
+                     const HeldValues& held, AccuracyCell& cell) {
   const Result<std::vector<ViewSights>> sights = sights_of(stated, views);
   if (!sights) return fail(sights.error());
   const std::vector<ViewSights> planes = without_crossings(*sights);
-  const auto joint = calibrate(stated, planes, {});
+  const CalibrateOptions own = holding({}, held);
+  const auto joint = calibrate(stated, planes, own);
   if (!joint) return {};
   const Rig rig = rig_of(scenario);
-  const auto bound = bound_of(scenario, rig, views, false);
-  const auto edge_bound = bound_of(scenario, rig, views, true);
+  const auto bound = bound_of(scenario, rig, views, own, false);
+  const auto edge_bound = bound_of(scenario, rig, views, own, true);
   ++cell.trials;
   if (bound && edge_bound) {
     cell.bound_translation += bound->translation2;
@@ -67,7 +68,7 @@ Result<void> measure(const Scenario& scenario, const Rig& stated, const std::vec
     cell.edge_bound_rotation += edge_bound->rotation2;
   }
   add(cell.methods[joint_name], joint, scenario, bound);
-  add(cell.methods[edges_name], calibrate(stated, *sights, {}), scenario, edge_bound);
+  add(cell.methods[edges_name], calibrate(stated, *sights, own), scenario, edge_bound);
   for (const auto& [name, method] :
        {std::pair{planes_name, Method::plane_to_plane}, {kim_name, Method::kim}}) {
     CalibrateOptions options;
@@ -137,7 +138,8 @@ Result<std::vector<AccuracyCell>> run_accuracy(const AccuracyExperiment& experim
     if (!pool) return fail(pool.error());
     const Rig stated = misstated_rig(rig_of(scenario), experiment.file.intrinsics_error, rng);
     for (AccuracyCell& cell : cells) {
-      if (auto done = measure(scenario, stated, draw_subset(*pool, cell.views, rng), cell); !done)
+      if (auto done = measure(scenario, stated, draw_subset(*pool, cell.views, rng), experiment.held, cell);
+          !done)
         return fail(done.error());
     }
     progress(trial + 1);

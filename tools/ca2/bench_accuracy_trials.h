@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/session/calibration.h"
+#include "core/solve/held_values.h"
 #include "core/types/result.h"
 #include "tools/sim/calibration_trials.h"
 
@@ -21,6 +22,7 @@ struct AccuracyExperiment {
   double most_bias = 0;          ///< m
   int pool = 53;                 ///< views of which each trial draws
   std::vector<int> view_counts;  ///< N of the cells
+  HeldValues held = {};          ///< what estimate and bound take for right
 };
 
 /// Errors of one method over the trials of a cell.

@@ -1,8 +1,11 @@
 /// @file `ca2 solve`: from a session to its result.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tools/ca2/command.h"
 #include "tools/ca2/daemon_link.h"
@@ -36,10 +39,16 @@ Result<int> solve_in_daemon(const DaemonAddress& daemon, bool as_json) {
 }
 
 Result<int> solve(const SolveArguments& arguments, const DaemonAddress& daemon) {
+  if (arguments.held.any() && arguments.method != "joint") {
+    return fail(ErrorCode::usage, "--hold", "the published methods hold everything that is given",
+                "leave it out, or --method");
+  }
   if (!arguments.session.empty()) return solve_session(arguments);
-  const bool own = arguments.output.empty() && arguments.views.empty() && arguments.method == "joint";
-  if (own) return solve_in_daemon(daemon, arguments.json);
-  return fail(ErrorCode::usage, "", "--output, --views and --method are for a session on the disk",
+  const bool as_ever = arguments.output.empty() && arguments.views.empty() && arguments.method == "joint" &&
+                       arguments.best == 0 && !arguments.held.any();
+  if (as_ever) return solve_in_daemon(daemon, arguments.json);
+  return fail(ErrorCode::usage, "",
+              "--output, --views, --best, --hold and --method are for a session on the disk",
               "name it: `ca2 solve SESSION ...`");
 }
 
@@ -60,6 +69,15 @@ CommandBody setup_solve(CLI::App& app) {
   app.add_option("--best", arguments->best,
                  "Use only the so many views that together determine the answer best")
       ->check(number_in(3, 100000));
+  app.add_option_function<std::vector<std::string>>(
+         "--hold",
+         [arguments](const std::vector<std::string>& names) {
+           arguments->held = {std::ranges::count(names, "intrinsics") > 0,
+                              std::ranges::count(names, "ranges") > 0};
+         },
+         "Take for exactly right, what was measured better than views can: given intrinsics, unbiased ranges")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"intrinsics", "ranges"}));
   app.add_flag("--json", arguments->json, "Print the result as JSON");
   app.add_flag("--no-cache", arguments->no_cache, "Search every picture and cloud again, keep nothing");
   app.add_option("--threads", arguments->threads, "Threads for the search (default: one per core)")
@@ -70,7 +88,9 @@ CommandBody setup_solve(CLI::App& app) {
       "not determine the answer: the message says which direction is weak, and how to hold the board to\n"
       "cure it.\n"
       "Given focal lengths and principal points are refined, a lens's distortion and the print's size where\n"
-      "the views contradict them: the result has each with its sigma (0: held), and a note.");
+      "the views contradict them: the result has each with its sigma (0: held), and a note.\n"
+      "What --hold takes for right makes few views as precise as many, if it is right: where the views\n"
+      "contradict it, a note says so and the verdict is weak.");
   return [arguments, daemon] { return solve(*arguments, *daemon); };
 }
 

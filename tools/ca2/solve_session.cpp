@@ -47,14 +47,14 @@ void print_true_errors(const Session& session, const Calibration& calibration) {
 
 /// The answer of the best `count` views; the others are listed as left out.
 Result<Calibration> calibrate_best(const Extraction& features, const Calibration& all, std::size_t count,
-                                   const CalibrateOptions& options) {
+                                   const CalibrateOptions& options, const HeldValues& held) {
   const std::vector<int> ids = best_views(features.rig, all, features.views, count, {});
   const auto chosen = [&](int id) { return std::binary_search(ids.begin(), ids.end(), id); };
   std::vector<ViewSights> views;
   for (const ViewSights& view : features.views) {
     if (chosen(view.id)) views.push_back(view);
   }
-  Result<Calibration> best = calibrate(features.rig, views, options);
+  Result<Calibration> best = calibrate_holding(features.rig, views, options, held);
   if (!best) return best;
   for (const CalibratedView& view : all.views) {
     if (chosen(view.id)) continue;
@@ -116,9 +116,11 @@ Result<int> solve_session(const SolveArguments& arguments) {
                    : arguments.method == "plane_to_plane" ? Method::plane_to_plane
                                                           : Method::joint;
   options.estimated = features->estimated;
-  Result<Calibration> calibration = calibrate(features->rig, features->views, options);
+  Result<Calibration> calibration =
+      calibrate_holding(features->rig, features->views, options, arguments.held);
   if (calibration && arguments.best > 0) {
-    calibration = calibrate_best(*features, *calibration, static_cast<std::size_t>(arguments.best), options);
+    calibration = calibrate_best(*features, *calibration, static_cast<std::size_t>(arguments.best), options,
+                                 arguments.held);
   }
   if (!calibration) {
     set_aside(output);

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "core/solve/held_values.h"
 #include "core/types/result.h"
 
 namespace ca2 {
@@ -13,6 +14,7 @@ struct SolveArguments {
   std::string output;  ///< empty: SESSION/result.yaml
   std::string method = "joint";
   std::string views;
+  HeldValues held;
   int best = 0;  ///< so many of the views, those that determine the answer best; 0: all
   bool json = false;
   bool no_cache = false;

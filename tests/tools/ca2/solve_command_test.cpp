@@ -160,6 +160,19 @@ TEST_F(SolveCommand, TheBestViewsAreNearlyAsGoodAsAll) {
   EXPECT_NE(run.output.find("not among the best 6"), std::string::npos);
 }
 
+TEST_F(SolveCommand, HoldsWhatItIsTold) {
+  const fs::path held = folder / "held.yaml", all = folder / "all.yaml";
+  ASSERT_EQ(solve({"--hold", "intrinsics,ranges", "-o", held}).status, 0);
+  ASSERT_EQ(solve({"-o", all}).status, 0);
+  const auto believing = read_calibration(held), doubting = read_calibration(all);
+  ASSERT_TRUE(believing && doubting);
+  for (const auto& [name, camera] : believing->cameras) EXPECT_FALSE(camera.estimated) << name;
+  for (const auto& [name, lidar] : believing->lidars) EXPECT_FALSE(lidar.estimated) << name;
+  for (const auto& [name, camera] : doubting->cameras) EXPECT_TRUE(camera.estimated) << name;
+  EXPECT_EQ(solve({"--hold", "beliefs"}).status, 64);
+  EXPECT_EQ(solve({"--hold", "ranges", "--method", "kim"}).status, 64);
+}
+
 TEST_F(SolveCommand, TellsTheNextPoseUntilTheTargetIsReached) {
   EXPECT_EQ(solve().output.find("next: show the board"), std::string::npos);
   const Outcome few = solve({"--views", "1-3", "--method", "plane_to_plane"});
