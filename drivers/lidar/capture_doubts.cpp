@@ -15,10 +15,20 @@ std::string dropped_most(const LidarCounters& counters) {
 
 }  // namespace
 
+std::optional<Problem> cut_packets(const std::string& file, const PacketCounters& packets) {
+  const std::uint64_t cut = packets.cut_short + packets.fragments_cut;
+  if (cut == 0) return std::nullopt;
+  return Problem{
+      file,
+      "of " + std::to_string(cut) + (cut == 1 ? " packet" : " packets") + " only the beginning was recorded",
+      "`ca2 record packets` records whole ones, and so does `tcpdump -s 0`"};
+}
+
 std::vector<Problem> capture_doubts(const std::string& file, const LidarDriver& driver,
                                     const PacketCounters& packets) {
   std::vector<Problem> doubts;
   const LidarCounters& counters = driver.counters();
+  if (auto cut = cut_packets(file, packets)) doubts.push_back(std::move(*cut));
   if (packets.cut_records > 0) {
     doubts.push_back({file,
                       "ends in the middle of a record: the recorder was killed, or the copy is not whole",

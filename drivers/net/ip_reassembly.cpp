@@ -88,10 +88,14 @@ std::optional<IpPacket> IpReassembler::add(const IpPacket& fragment, std::int64_
                                            PacketCounters& counters) {
   ++counters.fragments;
   expire(time, counters);
+  if (fragment.cut) {
+    ++counters.fragments_cut;
+    return std::nullopt;
+  }
   const std::size_t size = fragment.payload.size();
   const bool impossible = size == 0 || fragment.offset > largest_datagram ||
                           size > largest_datagram - fragment.offset || (fragment.more && size % 8 != 0);
-  if (impossible || fragment.cut || fragment.length_mismatch) {
+  if (impossible || fragment.length_mismatch) {
     ++counters.fragments_invalid;
     return std::nullopt;
   }

@@ -11,8 +11,8 @@ double StreamSummary::rate() const {
 }
 
 void Survey::add(const Datagram& datagram) {
-  const std::tuple key{std::string(datagram.source_address), datagram.destination_port,
-                       datagram.payload.size()};
+  const Key key{std::string(datagram.source_address), datagram.destination_port, datagram.payload.size(),
+                datagram.truncated};
   auto found = streams_.find(key);
   if (found == streams_.end()) {
     if (streams_.size() >= most_streams) {
@@ -21,7 +21,9 @@ void Survey::add(const Datagram& datagram) {
     }
     found = streams_.emplace(key, Stream{}).first;
     found->second.first = datagram.time;
-    found->second.recogniser = make_recogniser(datagram.payload);
+    // What is left of one that was cut could have another sensor's size.
+    found->second.recogniser =
+        make_recogniser(datagram.truncated ? std::span<const std::uint8_t>() : datagram.payload);
   }
   Stream& stream = found->second;
   ++stream.datagrams;
@@ -33,7 +35,7 @@ std::vector<StreamSummary> Survey::streams() const {
   std::vector<StreamSummary> all;
   for (const auto& [key, stream] : streams_) {
     StreamSummary summary;
-    std::tie(summary.source_address, summary.destination_port, summary.size) = key;
+    std::tie(summary.source_address, summary.destination_port, summary.size, summary.cut) = key;
     summary.datagrams = stream.datagrams;
     summary.first = stream.first;
     summary.last = stream.last;

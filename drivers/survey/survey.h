@@ -18,6 +18,7 @@ struct StreamSummary {
   std::string source_address;
   std::uint16_t destination_port = 0;
   std::size_t size = 0;  ///< bytes of a datagram
+  bool cut = false;      ///< only so much of them was recorded: who sends them cannot be told
   std::uint64_t datagrams = 0;
   std::int64_t first = 0, last = 0;  ///< ns
   StreamIdentity identity;
@@ -43,7 +44,9 @@ class Survey {
   };
   static constexpr std::size_t most_streams = 256;
 
-  std::map<std::tuple<std::string, std::uint16_t, std::size_t>, Stream> streams_;
+  using Key = std::tuple<std::string, std::uint16_t, std::size_t, bool>;  ///< sender, port, size, cut
+
+  std::map<Key, Stream> streams_;
   std::uint64_t unlisted_ = 0;
 };
 

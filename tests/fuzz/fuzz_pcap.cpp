@@ -44,9 +44,9 @@ void check(const PacketCounters& counters) {
   require(counters.records + counters.reassembled == counters.datagrams + counters.not_ip + counters.not_udp +
                                                          counters.bad_headers + counters.fragments,
           "a record is not accounted for");
-  require(
-      counters.fragments >= counters.reassembled + counters.fragments_repeated + counters.fragments_invalid,
-      "more fragments came out than went in");
+  require(counters.fragments >= counters.reassembled + counters.fragments_repeated +
+                                    counters.fragments_invalid + counters.fragments_cut,
+          "more fragments came out than went in");
 }
 
 /// Reads all of what a datagram points to, for the address sanitizer.

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "drivers/lidar/capture_doubts.h"
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_source.h"
 #include "drivers/survey/survey.h"
@@ -86,7 +87,11 @@ Result<void> read_capture(const Options& options, Heard& heard) {
   pcap.ports = options.ports;
   const auto reader = PcapReader::open(options.pcap, pcap);
   if (!reader) return fail(reader.error());
-  return read_all(**reader, std::chrono::steady_clock::time_point::max(), heard);
+  const Result<void> read = read_all(**reader, std::chrono::steady_clock::time_point::max(), heard);
+  if (const auto cut = cut_packets(options.pcap.string(), heard.counters)) {
+    heard.warnings.push_back(Error(ErrorCode::data, cut->where, "warning: " + cut->what, cut->hint).text());
+  }
+  return read;
 }
 
 /// What the sensor at an address says over HTTP. Reads only.
@@ -121,6 +126,7 @@ json streams_json(const Survey& survey) {
     json entry = {{"source", stream.source_address},
                   {"port", stream.destination_port},
                   {"size", stream.size},
+                  {"cut", stream.cut},
                   {"datagrams", stream.datagrams},
                   {"rate_hz", stream.rate()},
                   {"vendor", stream.identity.vendor},
@@ -137,7 +143,8 @@ void print_streams(const Survey& survey, const json& probed) {
   for (const StreamSummary& stream : survey.streams()) {
     const StreamIdentity& identity = stream.identity;
     const std::string who =
-        identity.vendor.empty()
+        stream.cut ? "cut short by its recording: whose they are cannot be told"
+        : identity.vendor.empty()
             ? "not a LiDAR known here"
             : identity.vendor + " " + (identity.model.empty() ? "" : identity.model + " ") + identity.kind;
     std::printf("%s -> port %u: %s\n", stream.source_address.c_str(), stream.destination_port, who.c_str());
@@ -209,6 +216,10 @@ Result<int> run(const Options& options) {
     if (heard.counters.lost() > 0) print_counters(stdout, heard.counters);
   }
   if (!done) return fail(done.error());
+  if (nothing && !options.pcap.empty()) {
+    return fail(ErrorCode::data, options.pcap.string(), "has no datagrams",
+                "without `--port`, those to all ports count");
+  }
   if (nothing) {
     return fail(ErrorCode::unavailable, options.pcap.string(),
                 options.only_cameras ? "there is no camera" : "no camera is there and nothing was heard",

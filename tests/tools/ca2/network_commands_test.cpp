@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -9,6 +10,7 @@
 #include "drivers/net/pcap_writer.h"
 #include "drivers/net/udp_socket.h"
 #include "tests/tools/ca2/program.h"
+#include "tests/tools/ca2/small_session.h"
 
 namespace ca2 {
 namespace {
@@ -90,6 +92,49 @@ Payloads payloads_of(const std::string& file) {
     if (!batch || batch->event != PacketEvent::packets) return all;
     for (const Datagram& d : batch->datagrams) all.emplace_back(d.payload.begin(), d.payload.end());
   }
+}
+
+/// What tcpdump keeps of a little-endian capture when it is told to keep so many bytes of a packet.
+std::string with_capture_length(const std::string& capture, std::uint32_t most) {
+  constexpr std::size_t file_header = 24, record_header = 16;
+  std::string cut = capture.substr(0, file_header);
+  for (std::size_t at = file_header; at < capture.size();) {
+    std::string header = capture.substr(at, record_header);
+    std::uint32_t size = 0;
+    std::memcpy(&size, &header[8], sizeof size);
+    const std::uint32_t kept = std::min(size, most);
+    std::memcpy(&header[8], &kept, sizeof kept);
+    cut += header + capture.substr(at + record_header, kept);
+    at += record_header + size;
+  }
+  return cut;
+}
+
+TEST_F(NetworkCommands, PacketsThatWereCutByTheirRecordingAreTold) {
+  test::write_bytes(recorded(), with_capture_length(test::bytes_of(capture()), 96));
+  const std::string what = recorded() +
+                           ": warning: of 300 packets only the beginning was recorded; `ca2 record packets` "
+                           "records whole ones, and so does `tcpdump -s 0`";
+  const Outcome seen = run_ca2({"sensors", "--pcap", recorded()});
+  EXPECT_EQ(seen.status, 0);
+  EXPECT_NE(seen.errors.find(what), std::string::npos) << seen.errors;
+  EXPECT_NE(seen.output.find("192.0.2.7 -> port 2368: cut short by its recording"), std::string::npos)
+      << seen.output;
+  const json report = json::parse(run_ca2({"sensors", "--pcap", recorded(), "--json"}).output);
+  EXPECT_EQ(report["streams"].at(0)["cut"], true);
+  EXPECT_EQ(report["warnings"].size(), 1u);
+  const Outcome decoded =
+      run_ca2({"decode", recorded(), "--model", "VLP-16", "--output", directory_ / "points"});
+  EXPECT_EQ(decoded.status, 65);
+  EXPECT_NE(decoded.errors.find("of 300 packets only the beginning was recorded"), std::string::npos)
+      << decoded.errors;
+}
+
+TEST_F(NetworkCommands, ACaptureWithoutDatagramsIsNoNetworkWithoutSensors) {
+  test::write_bytes(recorded(), test::bytes_of(capture()).substr(0, 24));
+  const Outcome empty = run_ca2({"sensors", "--pcap", recorded()});
+  EXPECT_EQ(empty.status, 65);
+  EXPECT_NE(empty.errors.find("has no datagrams"), std::string::npos) << empty.errors;
 }
 
 TEST_F(NetworkCommands, SensorsNamesWhatACaptureHolds) {
