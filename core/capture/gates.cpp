@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/types/counted.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -50,8 +51,8 @@ std::string judge_camera(const std::string& name, const Board& board, const std:
                          const std::optional<BoardPose>& pose) {
   const std::size_t all = board.type->corners(board).size();
   if (corners.size() < 8 || 3 * corners.size() < all) {
-    return formatted("only %zu of the board's %zu corners are visible in %s: is it cut off or covered?",
-                     corners.size(), all, name.c_str());
+    return formatted("only %zu of the board's %zu corners %s visible in %s: is it cut off or covered?",
+                     corners.size(), all, corners.size() == 1 ? "is" : "are", name.c_str());
   }
   if (const double side = square_size(board, corners); side < least_square) {
     return formatted("the board is too far from %s: its squares are %.1f px; come closer", name.c_str(),
@@ -78,8 +79,7 @@ std::string judge_camera(const std::string& name, const Board& board, const std:
 
 std::string judge_lidar(const std::string& name, const LidarSight& sight) {
   if (sight.on_board.size() < fewest_returns) {
-    return formatted("%s has only %zu returns on the board: come closer", name.c_str(),
-                     sight.on_board.size());
+    return name + " has only " + counted(sight.on_board.size(), "return") + " on the board: come closer";
   }
   std::set<std::uint16_t> rings;
   for (const BoardReturn& here : sight.on_board) rings.insert(here.ring);

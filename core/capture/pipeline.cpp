@@ -10,6 +10,7 @@
 #include "core/capture/sensor_status.h"
 #include "core/capture/stored_form.h"
 #include "core/features/lidar_sights.h"
+#include "core/types/counted.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -148,7 +149,7 @@ struct CapturePipeline::State {
     ViewPose pose = pose_of(view, tracks);
     std::string refusal = view.refusal;
     if (refusal.empty() && static_cast<int>(views.size()) >= options.max_views) {
-      refusal = formatted("the session has %d views, the most it may have", options.max_views);
+      refusal = "the session has " + counted(options.max_views, "view") + ", the most it may have";
     }
     if (refusal.empty() && !manual) {
       if (const auto same = known.find_same(pose)) {
@@ -354,8 +355,10 @@ CaptureActions CapturePipeline::solve(std::int64_t time) {
   const std::size_t least = fewest_for(state_->rig.board);
   state_->request_solve(actions, least);
   if (actions.empty()) {
-    state_->say(actions, time, "rejected",
-                formatted("%zu views are too few: capture at least %zu", state_->views.size(), least));
+    state_->say(
+        actions, time, "rejected",
+        formatted("%s %s too few: capture at least %zu", counted(state_->views.size(), "view").c_str(),
+                  state_->views.size() == 1 ? "is" : "are", least));
   }
   return actions;
 }
@@ -398,10 +401,10 @@ CaptureActions CapturePipeline::solved(std::int64_t time, std::uint64_t number,
   state_->verdict = answer->observability.verdict;
   state_->extrinsics.update(*answer);
   state_->guide();
-  state_->say(
-      actions, time, "solved",
-      formatted("%d of %zu views: sigma %.2f mm, %.2f mrad, %s", state_->used_views(), state_->views.size(),
-                1e3 * state_->worst_translation(), 1e3 * state_->worst_rotation(), state_->verdict.c_str()));
+  state_->say(actions, time, "solved",
+              formatted("%d of %s: sigma %.2f mm, %.2f mrad, %s", state_->used_views(),
+                        counted(state_->views.size(), "view").c_str(), 1e3 * state_->worst_translation(),
+                        1e3 * state_->worst_rotation(), state_->verdict.c_str()));
   return actions;
 }
 

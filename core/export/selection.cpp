@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/types/counted.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -109,7 +110,7 @@ std::vector<std::string> header_lines(const ExportRequest& request) {
   const auto used = std::count_if(c.views.begin(), c.views.end(), [](const auto& view) { return view.used; });
   return {safe("Calibrated by " + c.software + " (session " + request.session + "): method " + c.method +
                ", verdict " + c.observability.verdict + ", " +
-               formatted("%ld of %zu views", static_cast<long>(used), c.views.size())),
+               formatted("%ld of %s", static_cast<long>(used), counted(c.views.size(), "view").c_str())),
           "T_parent_child is the pose of the child in the parent: p_parent = R p_child + t; m, rad"};
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/features/lidar_sights.h"
 #include "core/io/files.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -87,7 +88,7 @@ std::optional<Error> without_returns(const Scan& scan, const std::filesystem::pa
   if (scan.returns() > 0) return std::nullopt;
   return Error(ErrorCode::data, file.string(),
                scan.empty() ? "the cloud has no points"
-                            : "none of the cloud's " + std::to_string(scan.size()) + " points is a return");
+                            : "none of the cloud's " + counted(scan.size(), "point") + " is a return");
 }
 
 /// Runs body(0) .. body(count - 1) on several threads; progress is called from this one.
@@ -121,8 +122,10 @@ void in_parallel(std::size_t count, int threads, const std::function<void(std::s
 /// "the session has 8 views, 1 to 8": for whoever asked for another one.
 std::string view_range(const Session& session) {
   if (session.views.empty()) return "the session has no views";
-  return "the session has " + std::to_string(session.views.size()) + " views, from " +
-         std::to_string(session.views.front().id) + " to " + std::to_string(session.views.back().id);
+  const std::string count = "the session has " + counted(session.views.size(), "view");
+  if (session.views.size() == 1) return count + ", " + std::to_string(session.views.front().id);
+  return count + ", from " + std::to_string(session.views.front().id) + " to " +
+         std::to_string(session.views.back().id);
 }
 
 }  // namespace

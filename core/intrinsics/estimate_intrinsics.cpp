@@ -7,6 +7,7 @@
 
 #include "core/intrinsics/intrinsics_fit.h"
 #include "core/intrinsics/intrinsics_gates.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 Error too_few_views(const IntrinsicsFit& fit, const IntrinsicsGates& gates) {
   std::vector<Problem> problems{{"",
                                  std::to_string(fit.used_views()) + " of " +
-                                     std::to_string(fit.views.size()) + " views can be used, " +
+                                     counted(fit.views.size(), "view") + " can be used, " +
                                      std::to_string(gates.min_views) + " are needed",
                                  "show the board in more places, tilted differently each time"}};
   for (std::size_t i = 0; i < fit.views.size(); ++i) {

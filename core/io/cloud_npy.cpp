@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/io/cloud_files.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -55,7 +56,7 @@ Result<Scan> parse_npy(std::string_view content, const std::string& name) {
   const std::size_t size = wide ? 8 : 4;
   const std::string_view body = content.substr(start + length);
   if (rows > body.size() / (columns * size))
-    return wrong("the file ends before its " + std::to_string(rows) + " rows do");
+    return wrong("the file ends before its " + counted(rows, "row") + (rows == 1 ? " does" : " do"));
   Scan scan;
   for (std::size_t row = 0; row < rows; ++row) {
     const auto value = [&](std::size_t column) {

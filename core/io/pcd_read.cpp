@@ -8,6 +8,7 @@
 
 #include "core/io/files.h"
 #include "core/io/pcd_header.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -191,15 +192,14 @@ Result<Scan> read_binary(std::string_view body, const PcdHeader& header, const s
   const std::size_t present = body.size() / stride;
   if (present < header.points) {
     return fail(ErrorCode::data, name,
-                "is cut short: the header promises " + std::to_string(header.points) + " points of " +
-                    std::to_string(stride) + " bytes, " + std::to_string(present) + " are there");
+                "is cut short: the header promises " + counted(header.points, "point") + " of " +
+                    counted(stride, "byte") + ", " + std::to_string(present) + " are there");
   }
   // A line end behind the data is harmless; a whole point more means that the header lies.
   if (present > header.points) {
     return fail(ErrorCode::data, name,
-                "has " + std::to_string(body.size() - header.points * stride) +
-                    " bytes more than the header's " + std::to_string(header.points) + " points of " +
-                    std::to_string(stride) + " bytes");
+                "has " + counted(body.size() - header.points * stride, "byte") + " more than the header's " +
+                    counted(header.points, "point") + " of " + counted(stride, "byte"));
   }
   Gatherer gatherer(header, layout, header.points);
   for (std::size_t i = 0; i < header.points; ++i) {
@@ -267,7 +267,7 @@ class AsciiReader {
     }
     if (gatherer.scan.size() < header_.points) {
       return fail(ErrorCode::data, place(),
-                  "is cut short: the header promises " + std::to_string(header_.points) + " points, " +
+                  "is cut short: the header promises " + counted(header_.points, "point") + ", " +
                       std::to_string(gatherer.scan.size()) + " are there");
     }
     const std::string wrong = gatherer.finish();

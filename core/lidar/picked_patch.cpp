@@ -15,6 +15,7 @@
 #include "core/lidar/covered_returns.h"
 #include "core/lidar/outline_fit.h"
 #include "core/lidar/ray_plane.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -114,7 +115,7 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   }
   if (inliers.size() < static_cast<std::size_t>(kFewest)) {
     return fail(ErrorCode::data, place_text(row, column),
-                "no plane in the " + std::to_string(patch.size()) + " returns of the patch",
+                "no plane in the " + counted(patch.size(), "return") + " of the patch",
                 "pick the middle of the board, or give another radius");
   }
   BoardCandidate candidate;
@@ -149,7 +150,7 @@ Result<BoardCandidate> fit_picked_patch(const Scan& scan, const Board& board, in
   }
   candidate.score = static_cast<double>(inliers.size()) / static_cast<double>(patch.size());
   candidate.why = "picked by hand: " + std::to_string(inliers.size()) + " of " +
-                  std::to_string(patch.size()) + " returns on the plane";
+                  counted(patch.size(), "return") + " on the plane";
   return candidate;
 }
 

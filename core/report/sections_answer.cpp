@@ -6,6 +6,7 @@
 #include "core/geometry/adjoint.h"
 #include "core/report/html.h"
 #include "core/report/sections.h"
+#include "core/types/counted.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -46,9 +47,9 @@ std::string checks_in_words(const Calibration& calibration) {
   const Validation& checked = calibration.validation;
   const auto used =
       std::count_if(calibration.views.begin(), calibration.views.end(), [](const auto& v) { return v.used; });
-  std::string out =
-      formatted("<p>%ld of %zu views used. Least certain: %s. ", static_cast<long>(used),
-                calibration.views.size(), escaped(calibration.observability.weakest_direction).c_str());
+  std::string out = formatted("<p>%ld of %s used. Least certain: %s. ", static_cast<long>(used),
+                              counted(calibration.views.size(), "view").c_str(),
+                              escaped(calibration.observability.weakest_direction).c_str());
   if (std::isfinite(checked.leave_one_out_translation)) {
     out += formatted("Leaving any one view out moves the answer by %.2f mm and %.2f mrad (rms). ",
                      1e3 * checked.leave_one_out_translation, 1e3 * checked.leave_one_out_rotation);

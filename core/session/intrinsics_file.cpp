@@ -9,6 +9,7 @@
 #include "core/io/files.h"
 #include "core/session/intrinsics_nodes.h"
 #include "core/session/rig.h"
+#include "core/types/counted.h"
 
 namespace ca2 {
 namespace {
@@ -25,7 +26,7 @@ std::vector<double> focal_and_center(IntrinsicsNodes& nodes, const YAML::Node& n
   const std::vector<double> K = nodes.numbers(node, "the camera matrix");
   if (!node.IsDefined()) return {};
   if (K.size() != 9) {
-    nodes.add(node, "the camera matrix has " + std::to_string(K.size()) + " numbers, not 9");
+    nodes.add(node, "the camera matrix has " + counted(K.size(), "number") + ", not 9");
     return {};
   }
   if (K[1] != 0) nodes.add(node, "the camera matrix has skew, which no model here has");

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/capture/solve_views.h"
+#include "core/types/counted.h"
 #include "core/types/text.h"
 #include "daemon/log.h"
 
@@ -95,7 +96,7 @@ void CaptureHost::opened(OpenSession session) {
   session_ = session.directory.string();
   views_.clear();
   for (const ViewSights& view : session.views) views_.insert(view.id);
-  log::info("capture", formatted("session %s, %zu views", session_.c_str(), session.views.size()));
+  log::info("capture", "session " + session_ + ", " + counted(session.views.size(), "view"));
   pipeline_ = std::make_unique<CapturePipeline>(session.rig, options_, std::move(session.views));
   solve_again();
   listener_.changed();

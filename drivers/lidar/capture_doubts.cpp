@@ -1,5 +1,7 @@
 #include "drivers/lidar/capture_doubts.h"
 
+#include "core/types/counted.h"
+
 namespace ca2 {
 namespace {
 
@@ -18,10 +20,8 @@ std::string dropped_most(const LidarCounters& counters) {
 std::optional<Problem> cut_packets(const std::string& file, const PacketCounters& packets) {
   const std::uint64_t cut = packets.cut_short + packets.fragments_cut;
   if (cut == 0) return std::nullopt;
-  return Problem{
-      file,
-      "of " + std::to_string(cut) + (cut == 1 ? " packet" : " packets") + " only the beginning was recorded",
-      "`ca2 record packets` records whole ones, and so does `tcpdump -s 0`"};
+  return Problem{file, "of " + counted(cut, "packet") + " only the beginning was recorded",
+                 "`ca2 record packets` records whole ones, and so does `tcpdump -s 0`"};
 }
 
 std::vector<Problem> capture_doubts(const std::string& file, const LidarDriver& driver,

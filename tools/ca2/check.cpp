@@ -11,6 +11,7 @@
 #include "core/session/calibration.h"
 #include "core/session/rig.h"
 #include "core/session/session.h"
+#include "core/types/counted.h"
 #include "drivers/recording/recording_reader.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/picture_corners.h"
@@ -49,10 +50,10 @@ std::string image_text(const Image& image) {
 
 std::string scan_text(const Scan& scan) {
   const std::size_t valid = scan.returns();
-  std::string text = std::to_string(scan.size()) + " points";
+  std::string text = counted(scan.size(), "point");
   if (valid != scan.size()) text += ", " + std::to_string(valid) + " of them returns";
-  if (scan.rings > 0) text += ", " + std::to_string(scan.rings) + " rings";
-  if (scan.columns > 0) text += ", " + std::to_string(scan.columns) + " columns";
+  if (scan.rings > 0) text += ", " + counted(scan.rings, "ring");
+  if (scan.columns > 0) text += ", " + counted(scan.columns, "column");
   return text;
 }
 
@@ -107,7 +108,7 @@ Finding check_session(const fs::path& directory) {
     finding.add(session.error());
     return finding;
   }
-  finding.summary = std::to_string(session->views.size()) + " views; " + rig_text(session->rig);
+  finding.summary = counted(session->views.size(), "view") + "; " + rig_text(session->rig);
   finding.warnings = rig_doubts(session->rig, (directory / "session.yaml").string());
   finding.warnings.insert(finding.warnings.end(), session->warnings.begin(), session->warnings.end());
   if (session->views.empty()) {
@@ -137,14 +138,14 @@ Finding check_recording(const fs::path& directory) {
     finding.add(reader.error());
     return finding;
   }
-  finding.summary = std::to_string(reader->pictures()) + " pictures; " + finding.summary;
+  finding.summary = counted(reader->pictures(), "picture") + "; " + finding.summary;
   finding.warnings = reader->warnings();
   return finding;
 }
 
 std::string calibration_text(const Calibration& calibration) {
-  return std::to_string(calibration.transforms.size()) + " transforms by " + calibration.method + ", " +
-         std::to_string(calibration.views.size()) + " views";
+  return counted(calibration.transforms.size(), "transform") + " by " + calibration.method + ", " +
+         counted(calibration.views.size(), "view");
 }
 
 Finding check_yaml(const fs::path& file, const std::string& text) {
@@ -156,13 +157,12 @@ Finding check_yaml(const fs::path& file, const std::string& text) {
   if (has("scene") || has("truth")) {
     finding.kind = "scenario";
     take(finding, read_scenario(file), [](const ScenarioFile& scenario) {
-      return std::to_string(scenario.scenario.views) + " views of " + rig_text(scenario.rig);
+      return counted(scenario.scenario.views, "view") + " of " + rig_text(scenario.rig);
     });
   } else if (has("scenario")) {
     finding.kind = "truth";
-    take(finding, read_true_transforms(file), [](const std::vector<TrueTransform>& truth) {
-      return std::to_string(truth.size()) + " transforms";
-    });
+    take(finding, read_true_transforms(file),
+         [](const std::vector<TrueTransform>& truth) { return counted(truth.size(), "transform"); });
   } else if (has("transforms") || name == "result.yaml") {
     finding.kind = "result";
     take(finding, parse_calibration(text, file.string()), calibration_text);
@@ -258,8 +258,8 @@ int run_check(const CheckOptions& options) {
     } else if (sound) {
       std::printf("%s: %s, sound: %s\n", file.c_str(), finding.kind.c_str(), finding.summary.c_str());
     } else {
-      std::printf("%s: %s, %zu problem%s\n", file.c_str(), finding.kind.c_str(), finding.problems.size(),
-                  finding.problems.size() == 1 ? "" : "s");
+      std::printf("%s: %s, %s\n", file.c_str(), finding.kind.c_str(),
+                  counted(finding.problems.size(), "problem").c_str());
     }
   }
   if (options.json) {

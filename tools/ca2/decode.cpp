@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "core/types/counted.h"
 #include "drivers/lidar/capture_doubts.h"
 #include "drivers/lidar/lidar_driver.h"
 #include "drivers/net/ip_address.h"
@@ -166,7 +167,8 @@ void print_summary(const DecodeOptions& options, const LidarDriver& driver, cons
     std::puts(json.dump(2).c_str());
     return;
   }
-  std::printf("%s: %zu scans, %zu points\n", driver.model().c_str(), writer.scans(), writer.points());
+  std::printf("%s: %s, %s\n", driver.model().c_str(), counted(writer.scans(), "scan").c_str(),
+              counted(writer.points(), "point").c_str());
   for (const LidarCounterInfo& info : lidar_counter_table()) {
     const auto count = static_cast<unsigned long long>(driver.counters().*info.value);
     if (count > 0) std::printf("%12llu  %s\n", count, std::string(info.help).c_str());

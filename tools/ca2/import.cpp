@@ -8,6 +8,7 @@
 #include "core/io/cloud_files.h"
 #include "core/io/read_picture.h"
 #include "core/session/session.h"
+#include "core/types/counted.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/import_log.h"
 #include "tools/ca2/import_pairs.h"
@@ -144,12 +145,12 @@ Result<int> run_import(const Options& options) {
   }
   print_warnings(problems);
   if (id == 0) return fail(ErrorCode::data, options.from, "no view could be read");
-  std::printf("%d views paired by %s%s in %s\n", id, source->paired.c_str(),
-              source->single > 0 ? (", " + std::to_string(source->single) +
-                                    (folder ? " files" : " messages") + " without a partner")
-                                       .c_str()
-                                 : "",
-              options.output.c_str());
+  std::printf(
+      "%s paired by %s%s in %s\n", counted(id, "view").c_str(), source->paired.c_str(),
+      source->single > 0
+          ? (", " + counted(source->single, folder ? "file" : "message") + " without a partner").c_str()
+          : "",
+      options.output.c_str());
   return 0;
 }
 

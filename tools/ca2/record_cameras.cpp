@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/types/counted.h"
 #include "drivers/camera/picture_folder.h"
 #include "tools/ca2/camera_source_text.h"
 #include "tools/ca2/interrupt.h"
@@ -98,8 +99,8 @@ void print(const std::vector<Recorded>& all, bool as_json) {
                                    {"missed", counters.missed},
                                    {"overrun", counters.overrun}};
       if (as_json) continue;
-      std::printf("%s: %llu pictures; %llu incomplete, %llu missed, %llu too late\n",
-                  recorded.names[i].c_str(), static_cast<unsigned long long>(recorded.written[i]),
+      std::printf("%s: %s; %llu incomplete, %llu missed, %llu too late\n", recorded.names[i].c_str(),
+                  counted(recorded.written[i], "picture").c_str(),
                   static_cast<unsigned long long>(counters.incomplete),
                   static_cast<unsigned long long>(counters.missed),
                   static_cast<unsigned long long>(counters.overrun));

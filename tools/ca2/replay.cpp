@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "core/types/counted.h"
 #include "drivers/recording/replay.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/hold_tally.h"
@@ -51,7 +52,7 @@ Result<int> run(Options options) {
   const Result<ReplayReport> report = replay(recording->rig, *reader, *session, options.replay);
   print_warnings(reader->warnings());
   if (!report) return fail(report.error());
-  if (!options.json) std::printf("%zu views captured\n", report->stored.size());
+  if (!options.json) std::printf("%s captured\n", counted(report->stored.size(), "view").c_str());
   const auto tally = tally_holds(recording->directory / "truth.yaml", *session, report->stored);
   if (!tally) return fail(tally.error());
   if (*tally && !options.json) std::printf("%s\n", (*tally)->text().c_str());

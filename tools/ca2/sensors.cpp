@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "core/types/counted.h"
 #include "drivers/lidar/capture_doubts.h"
 #include "drivers/net/pcap_reader.h"
 #include "drivers/net/udp_source.h"
@@ -148,15 +149,14 @@ void print_streams(const Survey& survey, const json& probed) {
             ? "not a LiDAR known here"
             : identity.vendor + " " + (identity.model.empty() ? "" : identity.model + " ") + identity.kind;
     std::printf("%s -> port %u: %s\n", stream.source_address.c_str(), stream.destination_port, who.c_str());
-    std::printf("    %zu bytes, %.1f/s, %llu datagrams", stream.size, stream.rate(),
-                static_cast<unsigned long long>(stream.datagrams));
+    std::printf("    %s, %.1f/s, %s", counted(stream.size, "byte").c_str(), stream.rate(),
+                counted(stream.datagrams, "datagram").c_str());
     if (identity.lost) std::printf(", %llu lost", static_cast<unsigned long long>(*identity.lost));
     std::printf("\n");
     for (const auto& [key, value] : identity.details) std::printf("    %s: %s\n", key.c_str(), value.c_str());
   }
   if (survey.unlisted() > 0) {
-    std::printf("and %llu datagrams of further streams\n",
-                static_cast<unsigned long long>(survey.unlisted()));
+    std::printf("and %s of further streams\n", counted(survey.unlisted(), "datagram").c_str());
   }
   for (const auto& [host, value] : probed.items())
     std::printf("%s says: %s\n", host.c_str(), value.dump(2).c_str());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/types/counted.h"
 #include "core/types/text.h"
 
 namespace ca2 {
@@ -41,10 +42,10 @@ std::string status_text(const DaemonStatus& status) {
   const CaptureStatus& capture = status.capture;
   std::string out =
       formatted("%-10s %s\n", std::string(state_name(capture.state)).c_str(), capture.reason.c_str());
-  out +=
-      formatted("session    %s, %d views, %d used, %s%s\n",
-                status.session.empty() ? "(none open)" : status.session.c_str(), capture.views, capture.used,
-                capture.automatic ? "automatic" : "on request", status.solving ? ", solving" : "");
+  out += formatted("session    %s, %s, %d used, %s%s\n",
+                   status.session.empty() ? "(none open)" : status.session.c_str(),
+                   counted(capture.views, "view").c_str(), capture.used,
+                   capture.automatic ? "automatic" : "on request", status.solving ? ", solving" : "");
   for (const SensorStatus& sensor : capture.sensors) {
     const SensorHealth& health = health_of(status, sensor.name);
     out += formatted("%-10s %-15s %5.1f Hz  %llu shed, %llu lost%s", sensor.name.c_str(),
@@ -81,8 +82,8 @@ std::string status_text(const DaemonStatus& status) {
 
 std::string status_line(const DaemonStatus& status) {
   const CaptureStatus& capture = status.capture;
-  return formatted("%s: %s; %d views, %s", std::string(state_name(capture.state)).c_str(),
-                   capture.reason.c_str(), capture.views, sigma_text(capture).c_str());
+  return formatted("%s: %s; %s, %s", std::string(state_name(capture.state)).c_str(), capture.reason.c_str(),
+                   counted(capture.views, "view").c_str(), sigma_text(capture).c_str());
 }
 
 }  // namespace ca2

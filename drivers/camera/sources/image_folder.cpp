@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "core/io/read_picture.h"
+#include "core/types/counted.h"
 #include "drivers/camera/camera_driver.h"
 #include "drivers/camera/host_time.h"
 #include "drivers/net/pacer.h"
@@ -59,7 +60,7 @@ class ImageFolder : public CameraSource {
 
   const std::vector<CameraStream>& streams() const override { return streams_; }
   std::string description() const override {
-    return std::to_string(files_.size()) + " pictures in " + files_[0].path.parent_path().string();
+    return counted(files_.size(), "picture") + " in " + files_[0].path.parent_path().string();
   }
   double frame_rate() const override {
     if (speed_ <= 0 || files_.size() < 2) return 0;

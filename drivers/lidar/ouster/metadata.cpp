@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/io/files.h"
+#include "core/types/counted.h"
 #include "core/types/text.h"
 #include "drivers/lidar/ouster/metadata_defaults.h"
 #include "drivers/lidar/ouster/profile.h"
@@ -310,8 +311,8 @@ Result<OusterMetadata> parse_ouster_metadata(const std::string& text, const std:
   for (const auto& [key, angles] :
        {std::pair{"beam_altitude_angles", &out.altitude}, std::pair{"beam_azimuth_angles", &out.azimuth}}) {
     if (angles->empty() || angles->size() != static_cast<std::size_t>(out.pixels_per_column)) {
-      in.wrong(key, "has " + std::to_string(angles->size()) + " angles for " +
-                        std::to_string(out.pixels_per_column) + " pixels per column");
+      in.wrong(key, "has " + counted(angles->size(), "angle") + " for " +
+                        counted(out.pixels_per_column, "pixel") + " per column");
     }
   }
   check_angles(in, out);

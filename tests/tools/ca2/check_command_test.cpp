@@ -20,8 +20,8 @@ TEST_F(CheckCommand, KnowsEveryKindOfFile) {
   const std::vector<std::pair<fs::path, std::string>> kinds{
       {session, "session, sound: 8 views"},
       {session / "session.yaml", "session.yaml, sound: checkerboard 8 x 5"},
-      {result(), "result, sound: 1 transforms by joint, 8 views"},
-      {session / "truth.yaml", "truth, sound: 1 transforms"},
+      {result(), "result, sound: 1 transform by joint, 8 views"},
+      {session / "truth.yaml", "truth, sound: 1 transform"},
       {picture(1), "PNG picture, sound: 640 x 480, 8 bit grey"},
       {cloud(1), "PCD cloud, sound: "},
       {fs::path(CA2_SOURCE_DIR) / "config" / "scenarios" / "paper.yaml", "scenario, sound: "},
@@ -126,7 +126,7 @@ TEST_F(CheckCommand, ARecordingIsJudgedByWhatReplayingItReads) {
   const Outcome quiet = run_ca2({"check", recording});
   EXPECT_NE(quiet.errors.find("lidars/puck.pcap: warning: cannot be opened"), std::string::npos)
       << quiet.errors;
-  EXPECT_NE(quiet.output.find("1 pictures"), std::string::npos) << quiet.output;
+  EXPECT_NE(quiet.output.find("1 picture;"), std::string::npos) << quiet.output;
   write_bytes(recording / "recording.yaml", rig);
   EXPECT_EQ(run_ca2({"check", recording / "recording.yaml"}).status, 78) << "without its start";
   write_bytes(recording / "recording.yaml", rig + "start: 1700000000000000000\n");

@@ -151,7 +151,7 @@ TEST_F(ImportCommand, TimesArePairedToTheNearest) {
   fs::copy_file(cloud(5), folder / ("data/puck/" + std::to_string(start + 10'000'000'000) + ".pcd"));
   const Outcome imported = run();
   ASSERT_EQ(imported.status, 0) << imported.errors;
-  EXPECT_NE(imported.output.find("4 views paired by time, 1 files without a partner"), std::string::npos)
+  EXPECT_NE(imported.output.find("4 views paired by time, 1 file without a partner"), std::string::npos)
       << imported.output;
   for (int view = 1; view <= 4; ++view) {
     const auto was = read_png(picture(view)),
@@ -172,7 +172,7 @@ TEST_F(ImportCommand, DatesArePairedWhereTheyAreEqual) {
   for (const char* second : {"56", "58"}) fs::copy_file(cloud(1), folder / (minute + second + ".pcd"));
   const Outcome imported = run();
   ASSERT_EQ(imported.status, 0) << imported.errors;
-  EXPECT_NE(imported.output.find("1 views paired by number"), std::string::npos) << imported.output;
+  EXPECT_NE(imported.output.find("1 view paired by number"), std::string::npos) << imported.output;
 }
 
 TEST_F(ImportCommand, MistakesAndDamageSayWhere) {
@@ -197,7 +197,7 @@ TEST_F(ImportCommand, MistakesAndDamageSayWhere) {
     const Outcome outcome = run();
     EXPECT_EQ(outcome.status, 0) << outcome.errors;
     EXPECT_NE(outcome.errors.find("c2.ply"), std::string::npos) << outcome.errors;
-    EXPECT_NE(outcome.output.find("1 views"), std::string::npos) << outcome.output;
+    EXPECT_NE(outcome.output.find("1 view"), std::string::npos) << outcome.output;
   }
   EXPECT_EQ(run().status, 73) << "there is a session already";
   for (const auto& [name, text] : {std::pair<std::string, std::string>("c2.csv", "1,2,3\n1,2\n"),

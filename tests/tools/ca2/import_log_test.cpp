@@ -195,7 +195,7 @@ TEST_F(ImportLog, ImpossibleTimesAreThoseOfLogging) {
   }
   const Outcome imported = run();
   ASSERT_EQ(imported.status, 0) << imported.errors;
-  EXPECT_NE(imported.output.find("1 views paired by time"), std::string::npos) << imported.output;
+  EXPECT_NE(imported.output.find("1 view paired by time"), std::string::npos) << imported.output;
 }
 
 /// liblcm would take 2 GiB, or write to where it got none.
@@ -212,7 +212,7 @@ TEST_F(ImportLog, LengthsBeyondTheFileAreDamage) {
   write_bytes(folder / "log.lcm", damaged);
   const Outcome outcome = run();
   EXPECT_EQ(outcome.status, 0) << outcome.errors;
-  EXPECT_NE(outcome.output.find("1 views paired by time"), std::string::npos) << outcome.output;
+  EXPECT_NE(outcome.output.find("1 view paired by time"), std::string::npos) << outcome.output;
 }
 
 /// Every cut and many damaged bytes: a view less, or an error, never a crash or a wait.
