@@ -14,6 +14,7 @@
 #include "tools/ca2/command.h"
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/provenance.h"
+#include "tools/ca2/spare_inputs.h"
 
 namespace ca2 {
 namespace {
@@ -60,34 +61,23 @@ Result<void> add_known(FrameGraph& frames, const Options& options) {
   return {};
 }
 
-/// The calibration, and a robot's description that is to get it, are not to be replaced by what is made of
-/// them.
-Result<void> write_file(const fs::path& file, const std::string& content,
-                        const std::vector<fs::path>& inputs) {
-  std::error_code error;
-  const bool input = std::any_of(inputs.begin(), inputs.end(), [&](const fs::path& read) {
-    return fs::equivalent(file, read, error) && !error;
-  });
-  if (input) {
-    return fail(ErrorCode::cannot_create, file.string(), "is what this export was made of",
-                "--output names another file");
-  }
-  return write_atomically(file, content);
-}
-
 Result<void> write_files(const ExportFiles& files, const fs::path& output,
                          const std::vector<fs::path>& inputs) {
   std::error_code error;
   // A name with an ending is a file where there is one file to write; else it is the directory of them.
   if (files.size() == 1 && output.has_extension() && !fs::is_directory(output, error)) {
-    const auto written = write_file(output, files.front().content, inputs);
+    if (auto spared = spare_inputs(output, inputs); !spared) return spared;
+    const auto written = write_atomically(output, files.front().content);
     if (written) std::printf("%s\n", output.string().c_str());
     return written;
   }
   fs::create_directories(output, error);
   if (error) return fail(ErrorCode::cannot_create, output.string(), error.message());
   for (const ExportFile& file : files) {
-    const auto written = write_file(output / file.name, file.content, inputs);
+    if (auto spared = spare_inputs(output / file.name, inputs); !spared) return spared;
+  }
+  for (const ExportFile& file : files) {
+    const auto written = write_atomically(output / file.name, file.content);
     if (!written) return written;
     std::printf("%s\n", (output / file.name).string().c_str());
   }
@@ -131,8 +121,10 @@ Result<int> run_export(const Options& options) {
   if (options.output.empty()) {
     print_files(*files);
   } else {
-    std::vector<fs::path> inputs(options.via.begin(), options.via.end());
-    inputs.insert(inputs.end(), {file, session->directory / "session.yaml"});
+    // A robot's description that is to get the calibration is not to be replaced by it.
+    std::vector<fs::path> inputs = input_files(*session);
+    inputs.push_back(file);
+    inputs.insert(inputs.end(), options.via.begin(), options.via.end());
     if (const auto written = write_files(*files, options.output, inputs); !written) {
       return fail(written.error());
     }

@@ -11,10 +11,12 @@
 #include "core/intrinsics/validate_intrinsics.h"
 #include "core/io/files.h"
 #include "core/io/yaml_text.h"
+#include "core/types/counted.h"
 #include "core/types/text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/picture_corners.h"
 #include "tools/ca2/progress.h"
+#include "tools/ca2/spare_inputs.h"
 
 namespace ca2 {
 namespace {
@@ -55,9 +57,10 @@ std::string describe(const IntrinsicsTrial& best, const PictureCorners& pictures
                      e.camera.parameters(k), std::sqrt(e.covariance(k, k)));
   }
   const auto used = std::count_if(e.views.begin(), e.views.end(), [](const auto& view) { return view.used; });
-  out += formatted(
-      "%ld of %zu pictures used; reprojection %.4f px rms; a known ray's pixel is off by %.3f px (1 sigma)\n",
-      static_cast<long>(used), e.views.size(), e.reprojection_rms, e.projection_sigma);
+  out +=
+      formatted("%ld of %s used; reprojection %.4f px rms; a known ray's pixel is off by %.3f px (1 sigma)\n",
+                static_cast<long>(used), counted(e.views.size(), "picture").c_str(), e.reprojection_rms,
+                e.projection_sigma);
   for (std::size_t i = 0; i < e.views.size(); ++i) {
     if (!e.views[i].used) out += "  " + pictures.names[i] + " not used: " + e.views[i].reason + "\n";
   }
@@ -131,6 +134,9 @@ Result<std::string> file_of(const std::string& camera, const IntrinsicsEstimate&
 }
 
 Result<int> run(const Options& options) {
+  const std::filesystem::path rig = std::filesystem::path(options.source) / "session.yaml";
+  if (const auto spared = spare_inputs(options.output, {rig, options.board}); !spared)
+    return fail(spared.error());
   Progress progress("finding the board");
   Result<std::vector<PictureCorners>> cameras = read_corners(
       options.source, options.board, options.camera, [&](int done, int all) { progress.show(done, all); });

@@ -15,6 +15,7 @@
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/rig_doubts.h"
+#include "tools/ca2/spare_inputs.h"
 #include "tools/sim/truth_file.h"
 
 namespace ca2 {
@@ -94,11 +95,7 @@ Result<int> solve_session(const SolveArguments& arguments) {
   if (!session) return fail(session.error());
   const std::filesystem::path output =
       arguments.output.empty() ? session->directory / "result.yaml" : std::filesystem::path(arguments.output);
-  std::error_code ignored;
-  if (std::filesystem::equivalent(output, session->directory / "session.yaml", ignored)) {
-    return fail(ErrorCode::cannot_create, output.string(), "is the rig that is to be solved",
-                "--output names another file");
-  }
+  if (const auto spared = spare_inputs(output, input_files(*session)); !spared) return fail(spared.error());
   print_warnings(rig_doubts(session->rig, (session->directory / "session.yaml").string()));
   print_warnings(session->warnings);
 

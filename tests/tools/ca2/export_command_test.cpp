@@ -71,8 +71,7 @@ TEST_F(ExportCommand, ReplacesNothingThatItWasMadeOf) {
   const auto refused = [&](const std::string& format, const std::vector<std::string>& options) {
     const Outcome outcome = run(format, options);
     EXPECT_EQ(outcome.status, 73) << outcome.output;
-    EXPECT_NE(outcome.errors.find("is what this export was made of; --output names another file"),
-              std::string::npos)
+    EXPECT_NE(outcome.errors.find("is what this is made of; --output names another file"), std::string::npos)
         << outcome.errors;
   };
   refused("urdf", {"--via", robot, "--output", robot});
@@ -81,8 +80,24 @@ TEST_F(ExportCommand, ReplacesNothingThatItWasMadeOf) {
   refused("json", {"--output", result()});
   refused("camera_info", {"--output", session / "session.yaml"});
   EXPECT_EQ(solve({"--output", session / "session.yaml"}).status, 73);
+  EXPECT_EQ(solve({"--output", picture(1)}).status, 73);
+  EXPECT_EQ(run_ca2({"intrinsics", session, "--output", session / "session.yaml"}).status, 73);
   EXPECT_EQ(bytes_of(result()), answer);
   EXPECT_EQ(bytes_of(session / "session.yaml"), rig);
+}
+
+/// A directory to write to may be the session's own, and hold the intrinsics that the rig was given.
+TEST_F(ExportCommand, ReplacesNoIntrinsicsThatTheRigNames) {
+  ASSERT_EQ(run("camera_info", {"--output", session}).status, 0);
+  const std::string given = bytes_of(session / "front.yaml");
+  std::string rig = bytes_of(session / "session.yaml");
+  const std::size_t begin = rig.find("    intrinsics:"), end = rig.find('\n', begin);
+  ASSERT_NE(begin, std::string::npos);
+  write_bytes(session / "session.yaml", rig.replace(begin, end - begin, "    file: front.yaml"));
+  const Outcome again = run("camera_info", {"--output", session});
+  EXPECT_EQ(again.status, 73) << again.errors;
+  EXPECT_NE(again.errors.find("front.yaml: is what this is made of"), std::string::npos) << again.errors;
+  EXPECT_EQ(bytes_of(session / "front.yaml"), given);
 }
 
 TEST_F(ExportCommand, ComposesThroughCameraLinkAndAFile) {
