@@ -2,6 +2,7 @@
 
 #include <sys/epoll.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "ca2_version.h"
@@ -266,7 +267,7 @@ void Daemon::publish_if_due() {
 void Daemon::publish_previews() {
   const double rate = config_.options.preview_rate * static_cast<double>(previews_.sensors().size());
   if (!publisher_ || rate <= 0 || Clock::now() < next_preview_) return;
-  next_preview_ = Clock::now() + milliseconds(static_cast<int>(1000 / rate));
+  next_preview_ = Clock::now() + milliseconds(static_cast<std::int64_t>(std::min(1000 / rate, 1e9)));
   const std::string& sensor = previews_.sensors()[preview_turn_++ % previews_.sensors().size()];
   previews_.make(sensor, static_cast<int>(config_.options.preview_width),
                  [this, sensor](const Result<Preview>& preview) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the programs with a sanitizer and runs every system test on them: ./tests/sanitize.sh tsan, ./tests/sanitize.sh asan
-# (addresses, leaks and undefined behaviour). More arguments go to ctest: ./tests/sanitize.sh tsan -R 060
+# (addresses, leaks, undefined behaviour, float to integer). More arguments go to ctest: ./tests/sanitize.sh tsan -R 060
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-}

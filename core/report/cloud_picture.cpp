@@ -56,10 +56,13 @@ Image draw_cloud(const Image& image, const std::vector<SeenPoint>& seen, const S
   std::vector<float> depth(static_cast<std::size_t>(width) * height, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d p = R * (points[i] - eye);
-    if (p.z() < 0.1) continue;
-    const int x = static_cast<int>(width / 2.0 + 0.9 * width * p.x() / p.z());
-    const int y = static_cast<int>(height / 2.0 + 0.9 * width * p.y() / p.z());
     const int size = i < scan_points ? 2 : 3;  // px
+    const double left = width / 2.0 + 0.9 * width * p.x() / p.z();
+    const double top = height / 2.0 + 0.9 * width * p.y() / p.z();
+    // Not so of what is no number, either: clouds of others have returns at 1e30 m.
+    if (!(p.z() >= 0.1 && left > -size && left < width && top > -size && top < height)) continue;
+    const int x = static_cast<int>(left);
+    const int y = static_cast<int>(top);
     for (int v = y; v < y + size; ++v) {
       for (int u = x; u < x + size; ++u) {
         if (u < 0 || v < 0 || u >= width || v >= height) continue;

@@ -32,8 +32,10 @@ cv::Mat view_of(Image& image) {
   return {image.height, image.width, CV_8UC3, image.bytes.data()};
 }
 
+/// Of an arrow's end, as far off as it may be.
 cv::Point rounded(const Eigen::Vector2d& p) {
-  return {static_cast<int>(std::lround(p.x())), static_cast<int>(std::lround(p.y()))};
+  const Eigen::Vector2d near = p.cwiseMax(-1e6).cwiseMin(1e6);
+  return {static_cast<int>(std::lround(near.x())), static_cast<int>(std::lround(near.y()))};
 }
 
 cv::Scalar scalar(Colour colour) {

@@ -1,6 +1,7 @@
 /// @file GigE Vision and USB3 Vision cameras (Allied Vision, FLIR, Basler, ...) through Aravis.
 #include <poll.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -320,7 +321,11 @@ Result<std::unique_ptr<CameraSource>> open(OptionReader& options) {
   if (auto applied = apply_settings(*settings, state->device.get(), features); !applied)
     return fail(applied.error());
   const std::string name = describe_aravis_device(state->device.get());
-  const auto code = static_cast<std::uint32_t>(features.number("PixelFormat").value_or(0));
+  // What a camera answers may be any number.
+  const auto bounded = [&](const char* feature, double most) {
+    return std::min(std::max(0.0, features.number(feature).value_or(0)), most);
+  };
+  const auto code = static_cast<std::uint32_t>(bounded("PixelFormat", 4294967295.0));
   const PixelFormat* format = pixel_format_of_pfnc(code);
   if (!format) {
     return fail(ErrorCode::config, name,
@@ -328,8 +333,8 @@ Result<std::unique_ptr<CameraSource>> open(OptionReader& options) {
                 "choose another with 'format'");
   }
   CameraStream stream;
-  stream.width = static_cast<int>(features.number("Width").value_or(0));
-  stream.height = static_cast<int>(features.number("Height").value_or(0));
+  stream.width = static_cast<int>(bounded("Width", 1e6));
+  stream.height = static_cast<int>(bounded("Height", 1e6));
   stream.format = format->name;
   const auto odd = [&](const char* offset) {
     return features.has(offset) && std::fmod(features.number(offset).value_or(0), 2) != 0;
