@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/types/counted.h"
 #include "core/types/text.h"
 #include "tools/ca2/command.h"
 #include "tools/ca2/daemon_link.h"
@@ -52,8 +53,9 @@ std::string text_of(const json& reply) {
 
 std::string session_line(const json& session) {
   const std::string problem = session.at("problem");
-  return formatted("%c %-24s %3d views%s%s", session.at("current").get<bool>() ? '*' : ' ',
-                   session.at("name").get<std::string>().c_str(), session.at("views").get<int>(),
+  return formatted("%c %-24s %9s%s%s", session.at("current").get<bool>() ? '*' : ' ',
+                   session.at("name").get<std::string>().c_str(),
+                   counted(session.at("views").get<int>(), "view").c_str(),
                    session.at("solved").get<bool>() ? ", solved" : "",
                    !problem.empty()                  ? ("  " + problem).c_str()
                    : !session.at("fits").get<bool>() ? "  of another rig"
