@@ -14,6 +14,7 @@
 #include "core/types/counted.h"
 #include "drivers/recording/recording_reader.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/lidar_file.h"
 #include "tools/ca2/picture_corners.h"
 #include "tools/ca2/rig_doubts.h"
 #include "tools/sim/scenario_file.h"
@@ -214,6 +215,12 @@ Finding check_file(const fs::path& file) {
   const Result<std::string> text = read_text(file, max_yaml_bytes);
   if (!text) {
     finding.add(text.error());
+    return finding;
+  }
+  if (auto lidar = look_at_lidar_file(file, *text)) {
+    finding.kind = std::move(lidar->kind);
+    finding.warnings = std::move(lidar->warnings);
+    take(finding, lidar->summary, [](const std::string& summary) { return summary; });
     return finding;
   }
   return check_yaml(file, *text);

@@ -2,6 +2,7 @@
 
 #include "core/camera/distortion_doubt.h"
 #include "drivers/lidar/model.h"
+#include "tools/ca2/lidar_file.h"
 
 namespace ca2 {
 
@@ -22,6 +23,10 @@ std::vector<Problem> rig_doubts(const Rig& rig, const std::string& file) {
     }
   }
   for (const auto& [name, lidar] : rig.lidars) {
+    if (!lidar.metadata.empty()) {
+      const auto own = metadata_doubts(std::filesystem::path(file).parent_path() / lidar.metadata);
+      doubts.insert(doubts.end(), own.begin(), own.end());
+    }
     if (lidar.model.empty()) continue;
     const auto model = find_lidar_model(lidar.model);
     if (model) continue;

@@ -173,7 +173,9 @@ void read_format(const Reader& in, std::size_t angles, OusterMetadata& out) {
   out.pixels_per_column = in.integer({format, "data_format"}, "pixels_per_column", 1, max_pixels, 0);
   if (out.pixels_per_column == 0) {
     out.pixels_per_column = static_cast<int>(std::min<std::size_t>(angles, max_pixels));
-    out.warnings.push_back("pixels_per_column is missing: taken from the number of beam angles");
+    // Old firmware mostly has no such section, and nothing is wrong then.
+    if (in.find({""}, format) || in.find({""}, "data_format"))
+      out.warnings.push_back("pixels_per_column is missing: taken from the number of beam angles");
   }
   out.columns_per_packet = in.integer({format, "data_format"}, "columns_per_packet", 1, 512, 16);
   out.window_first = 0;

@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files.h"
+#include "drivers/lidar/model.h"
+#include "drivers/lidar/ouster/metadata.h"
+#include "drivers/lidar/velodyne/calibration.h"
 #include "tests/tools/ca2/small_session.h"
 
 namespace ca2 {
@@ -59,6 +62,29 @@ TEST_F(CheckCommand, TheGravestStatusCounts) {
   EXPECT_EQ(findings.at(0).at("problems").at(0).at("where"), (folder / "short.png").string());
   EXPECT_GT(findings.at(1).at("problems").size(), 1u) << "all problems of a file, not the first";
   EXPECT_EQ(findings.at(2).at("ok"), true);
+}
+
+TEST_F(CheckCommand, FilesThatCameWithALidarAreKnown) {
+  const OusterModel& model = *(*find_lidar_model("OS0-128"))->ouster();
+  OusterMetadata metadata = nominal_ouster_metadata(model, 1024, 10, "RNG19_RFL8_SIG16_NIR16");
+  const fs::path ouster = folder / "os0.json", velodyne = folder / "unit.yaml";
+  write_bytes(ouster, write_ouster_metadata(metadata));
+  write_bytes(velodyne, write_velodyne_yaml({std::vector<VelodyneLaser>(32)}));
+  const Outcome sound = run_ca2({"check", ouster, velodyne});
+  EXPECT_EQ(sound.status, 0) << sound.errors;
+  EXPECT_EQ(sound.errors, "");
+  EXPECT_NE(sound.output.find("os0.json: Ouster metadata, sound: "), std::string::npos) << sound.output;
+  EXPECT_NE(sound.output.find("RNG19_RFL8_SIG16_NIR16, 128 beams"), std::string::npos) << sound.output;
+  EXPECT_NE(sound.output.find("unit.yaml: Velodyne calibration, sound: 32 lasers"), std::string::npos)
+      << sound.output;
+  metadata.pixel_shift.pop_back();
+  write_bytes(ouster, write_ouster_metadata(metadata));
+  const Outcome odd = run_ca2({"check", ouster});
+  EXPECT_EQ(odd.status, 0);
+  EXPECT_NE(odd.errors.find("os0.json: warning: pixel_shift_by_row"), std::string::npos) << odd.errors;
+  metadata.altitude.assign(128, 0);
+  write_bytes(ouster, write_ouster_metadata(metadata));
+  EXPECT_EQ(run_ca2({"check", ouster}).status, 65);
 }
 
 TEST_F(CheckCommand, ASessionWithoutViewsIsSoundWithAWarning) {
