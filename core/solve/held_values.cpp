@@ -1,7 +1,7 @@
 #include "core/solve/held_values.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
+#include <string>
 
 #include "core/solve/rim_conflict.h"
 #include "core/types/text.h"
@@ -36,6 +36,9 @@ Result<Calibration> calibrate_holding(const Rig& rig, const std::vector<ViewSigh
                                       const CalibrateOptions& options, const HeldValues& held) {
   Result<Calibration> answer = calibrate(rig, views, holding(options, held));
   if (!answer || !held.any()) return answer;
+  answer->notes.push_back(std::string("taken for exactly right, as asked: ") +
+                          (held.intrinsics ? "given intrinsics" : "") +
+                          (held.intrinsics && held.ranges ? ", " : "") + (held.ranges ? "ranges" : ""));
   if (const Result<Calibration> free = calibrate(rig, views, options)) judge(*answer, *free);
   return answer;
 }

@@ -18,8 +18,9 @@ struct HeldValues {
 /// `options` that believe it.
 CalibrateOptions holding(CalibrateOptions options, const HeldValues& held);
 
-/// `calibrate` with these, and without them: where the answer without is another by more than its covariance
-/// allows, the views contradict what was held. A note says so then, and the verdict is weak.
+/// `calibrate` with these, as a note says, and without them: where the answer without is another by more than
+/// its covariance allows, the views contradict what was held. Another note says so then, and the verdict is
+/// weak.
 Result<Calibration> calibrate_holding(const Rig& rig, const std::vector<ViewSights>& views,
                                       const CalibrateOptions& options, const HeldValues& held);
 

@@ -12,9 +12,9 @@
 #include "core/session/calibration.h"
 #include "core/session/session.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/input_files.h"
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/provenance.h"
-#include "tools/ca2/spare_inputs.h"
 
 namespace ca2 {
 namespace {

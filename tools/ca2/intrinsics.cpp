@@ -14,9 +14,9 @@
 #include "core/types/counted.h"
 #include "core/types/text.h"
 #include "tools/ca2/command.h"
+#include "tools/ca2/input_files.h"
 #include "tools/ca2/picture_corners.h"
 #include "tools/ca2/progress.h"
-#include "tools/ca2/spare_inputs.h"
 
 namespace ca2 {
 namespace {

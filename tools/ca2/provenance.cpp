@@ -7,6 +7,7 @@
 
 #include "core/types/text.h"
 #include "drivers/lidar/ouster/metadata.h"
+#include "tools/ca2/input_files.h"
 
 namespace ca2 {
 namespace {
@@ -36,6 +37,12 @@ void add_hash(std::vector<ProvenanceEntry>& list, const std::string& subject, co
   list.push_back({subject, hash.empty() ? "cannot be read" : "sha256 " + hash});
 }
 
+/// Of a file that lies elsewhere: where.
+std::string name_within(const fs::path& directory, const fs::path& file) {
+  const fs::path name = file.lexically_normal().lexically_relative(directory.lexically_normal());
+  return name.empty() || *name.begin() == ".." ? file.string() : name.generic_string();
+}
+
 void add_source(std::vector<ProvenanceEntry>& list, const std::string& sensor, const SourceOptions& source) {
   for (const auto& [key, value] : source) list.push_back({sensor + "." + key, value});
 }
@@ -44,28 +51,20 @@ void add_source(std::vector<ProvenanceEntry>& list, const std::string& sensor, c
 
 std::vector<ProvenanceEntry> provenance(const Session& session) {
   std::vector<ProvenanceEntry> list;
-  add_hash(list, "session.yaml", session.directory / "session.yaml");
   for (const auto& [name, camera] : session.rig.cameras) add_source(list, "cameras." + name, camera.source);
   for (const auto& [name, lidar] : session.rig.lidars) {
     const std::string subject = "lidars." + name;
     if (!lidar.model.empty()) list.push_back({subject + ".model", lidar.model});
     add_source(list, subject, lidar.source);
-    if (!lidar.calibration.empty()) add_hash(list, lidar.calibration, session.directory / lidar.calibration);
     if (lidar.metadata.empty()) continue;
-    const fs::path file = session.directory / lidar.metadata;
-    add_hash(list, lidar.metadata, file);
-    const Result<OusterMetadata> metadata = read_ouster_metadata(file);
+    const Result<OusterMetadata> metadata = read_ouster_metadata(session.directory / lidar.metadata);
     if (!metadata) continue;
     list.push_back({subject + ".product", metadata->prod_line});
     list.push_back({subject + ".serial", std::to_string(metadata->serial)});
     list.push_back({subject + ".firmware", metadata->firmware});
   }
-  for (const SessionView& view : session.views) {
-    const std::string folder = "views/" + view.directory.filename().string() + "/";
-    for (const auto* files : {&view.images, &view.clouds}) {
-      for (const auto& [sensor, file] : *files) add_hash(list, folder + file.filename().string(), file);
-    }
-  }
+  for (const fs::path& file : input_files(session))
+    add_hash(list, name_within(session.directory, file), file);
   return list;
 }
 

@@ -9,8 +9,8 @@
 namespace ca2 {
 
 /// Names, ids, serial numbers and firmware of the sensors as far as the rig and their metadata tell, and the
-/// SHA-256 of session.yaml, the metadata, and the pictures and clouds of every view. Files that cannot be
-/// read are named as such.
+/// SHA-256 of session.yaml, the files it names, and those of every view. Files that cannot be read are named
+/// as such.
 std::vector<ProvenanceEntry> provenance(const Session& session);
 
 /// The last component of the session's path, also for "." and paths with a slash at the end.

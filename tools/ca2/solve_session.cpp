@@ -11,11 +11,11 @@
 #include "core/session/session.h"
 #include "core/solve/calibrate.h"
 #include "tools/ca2/id_list.h"
+#include "tools/ca2/input_files.h"
 #include "tools/ca2/print_calibration.h"
 #include "tools/ca2/print_warnings.h"
 #include "tools/ca2/progress.h"
 #include "tools/ca2/rig_doubts.h"
-#include "tools/ca2/spare_inputs.h"
 #include "tools/sim/truth_file.h"
 
 namespace ca2 {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <pugixml.hpp>
+#include <regex>
 #include <sstream>
 
 #include "tests/tools/ca2/small_session.h"
@@ -98,6 +99,11 @@ TEST_F(ExportCommand, ReplacesNoIntrinsicsThatTheRigNames) {
   EXPECT_EQ(again.status, 73) << again.errors;
   EXPECT_NE(again.errors.find("front.yaml: is what this is made of"), std::string::npos) << again.errors;
   EXPECT_EQ(bytes_of(session / "front.yaml"), given);
+  const Outcome inputs = run("json");
+  for (const char* file : {"session.yaml", "front.yaml", "views/000001/front.png"}) {
+    const std::regex hashed("\"" + std::string(file) + "\": \"sha256 [0-9a-f]{64}\"");
+    EXPECT_TRUE(std::regex_search(inputs.output, hashed)) << inputs.output;
+  }
 }
 
 TEST_F(ExportCommand, ComposesThroughCameraLinkAndAFile) {

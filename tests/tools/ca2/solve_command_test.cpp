@@ -166,6 +166,9 @@ TEST_F(SolveCommand, HoldsWhatItIsTold) {
   ASSERT_EQ(solve({"-o", all}).status, 0);
   const auto believing = read_calibration(held), doubting = read_calibration(all);
   ASSERT_TRUE(believing && doubting);
+  EXPECT_TRUE(std::ranges::any_of(believing->notes, [](const std::string& note) {
+    return note == "taken for exactly right, as asked: given intrinsics, ranges";
+  }));
   for (const auto& [name, camera] : believing->cameras) EXPECT_FALSE(camera.estimated) << name;
   for (const auto& [name, lidar] : believing->lidars) EXPECT_FALSE(lidar.estimated) << name;
   for (const auto& [name, camera] : doubting->cameras) EXPECT_TRUE(camera.estimated) << name;

@@ -1,4 +1,4 @@
-/// @file What a command reads is not what it writes.
+/// @file The files that a session is read from, and that nobody writes over.
 #pragma once
 
 #include <filesystem>

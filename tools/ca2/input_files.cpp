@@ -1,4 +1,4 @@
-#include "tools/ca2/spare_inputs.h"
+#include "tools/ca2/input_files.h"
 
 #include <algorithm>
 
@@ -30,7 +30,8 @@ std::vector<fs::path> input_files(const Session& session) {
       add_named(files, *root, session.directory);
   }
   for (const SessionView& view : session.views) {
-    files.push_back(view.directory / "view.yaml");
+    std::error_code error;
+    if (fs::exists(view.directory / "view.yaml", error)) files.push_back(view.directory / "view.yaml");
     for (const auto* sensors : {&view.images, &view.clouds}) {
       for (const auto& [sensor, file] : *sensors) files.push_back(file);
     }
