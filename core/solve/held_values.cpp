@@ -1,6 +1,5 @@
 #include "core/solve/held_values.h"
 
-#include <Eigen/Cholesky>
 #include <string>
 
 #include "core/solve/rim_conflict.h"
