@@ -63,6 +63,7 @@ live() {
   started+=("${players[@]}")
   wait "${players[@]}"
   kill "$watch"
+  wait "$watch" || true
   echo
   "$bin/ca2" status
   kill "$daemon"

@@ -19,6 +19,8 @@ Result<int> follow_status(const DaemonAddress& address, bool json) {
   std::string last;
   while (!Interrupt::raised()) {
     const Result<nlohmann::json> message = client->next(std::chrono::milliseconds(200));
+    // A daemon that ends while this is ending is none that went away.
+    if (!message && Interrupt::raised()) break;
     if (!message) return fail(message.error());
     if (message->is_null() || message->value("type", "") != "status") continue;
     const Result<DaemonStatus> status = status_from_json(message->at("status"));
