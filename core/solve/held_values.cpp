@@ -35,9 +35,10 @@ Result<Calibration> calibrate_holding(const Rig& rig, const std::vector<ViewSigh
                                       const CalibrateOptions& options, const HeldValues& held) {
   Result<Calibration> answer = calibrate(rig, views, holding(options, held));
   if (!answer || !held.any()) return answer;
-  answer->notes.push_back(std::string("taken for exactly right, as asked: ") +
-                          (held.intrinsics ? "given intrinsics" : "") +
-                          (held.intrinsics && held.ranges ? ", " : "") + (held.ranges ? "ranges" : ""));
+  const char* what = !held.ranges      ? "given intrinsics"
+                     : held.intrinsics ? "given intrinsics, ranges"
+                                       : "ranges";
+  answer->notes.push_back(std::string("taken for exactly right, as asked: ") + what);
   if (const Result<Calibration> free = calibrate(rig, views, options)) judge(*answer, *free);
   return answer;
 }

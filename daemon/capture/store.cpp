@@ -255,12 +255,12 @@ void Store::remove(int view, Answer<bool> answer) {
 
 void Store::write_result(const Calibration* calibration, Answer<bool> answer) {
   run<bool>(
-      [this, answer = calibration ? std::optional(*calibration) : std::nullopt]() mutable -> Result<bool> {
+      [this, result = calibration ? std::optional(*calibration) : std::nullopt]() mutable -> Result<bool> {
         const fs::path file = session_.directory / "result.yaml";
         std::error_code error;
-        if (answer) {
-          answer->inputs = result_inputs(with_views_of(session_, *answer), {});
-          const auto written = write_atomically(file, to_yaml(*answer));
+        if (result) {
+          result->inputs = result_inputs(with_views_of(session_, *result), {});
+          const auto written = write_atomically(file, to_yaml(*result));
           return written ? Result<bool>(true) : Result<bool>(fail(written.error()));
         }
         fs::rename(file, session_.directory / "result.previous.yaml", error);

@@ -14,7 +14,8 @@ namespace {
 /// Intrinsics, metadata, calibrations: whatever a scalar names that is a file.
 void add_named(std::vector<fs::path>& files, const YamlNode& node, const fs::path& directory) {
   std::error_code error;
-  if (node.is_scalar() && !node.text.empty() && fs::is_regular_file(directory / node.text, error)) {
+  if (node.is_scalar() && !node.text.empty() && fs::is_regular_file(directory / node.text, error) &&
+      std::ranges::find(files, directory / node.text) == files.end()) {
     files.push_back(directory / node.text);
   }
   for (const YamlNode& item : node.items) add_named(files, item, directory);

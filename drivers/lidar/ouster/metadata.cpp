@@ -325,6 +325,10 @@ Result<OusterMetadata> parse_ouster_metadata(const std::string& text, const std:
   return out;
 }
 
+bool is_ouster_metadata(const std::string& text) {
+  return text.find("\"beam_altitude_angles\"") != std::string::npos;
+}
+
 Result<OusterMetadata> read_ouster_metadata(const std::filesystem::path& file) {
   const Result<std::string> text = read_text(file, 4u << 20);  // real ones have 50 kB
   if (!text) return fail(text.error());

@@ -50,6 +50,9 @@ struct OusterMetadata {
   bool in_window(int measurement_id) const;
 };
 
+/// Does the text seem to be metadata, sound or not?
+bool is_ouster_metadata(const std::string& text);
+
 /// Problems name the key. Malformed JSON, some but not all sections of the new layout, missing or miscounted
 /// beam angles and unknown packet profiles are refused with every problem found (ErrorCode::data).
 Result<OusterMetadata> parse_ouster_metadata(const std::string& text, const std::string& where);

@@ -42,6 +42,9 @@ Result<VelodyneCalibration> parse_velodyne_xml(const std::string& text, int lase
 Result<VelodyneCalibration> parse_velodyne_yaml(const std::string& text, int lasers,
                                                 const std::string& where);
 
+/// Does the text seem to be either of them, sound or not?
+bool is_velodyne_calibration(const std::string& text);
+
 /// Either, told apart by the first character that is not white space.
 Result<VelodyneCalibration> parse_velodyne_calibration(const std::string& text, int lasers,
                                                        const std::string& where);

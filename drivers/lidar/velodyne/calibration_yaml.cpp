@@ -107,6 +107,11 @@ Result<VelodyneCalibration> parse_velodyne_yaml(const std::string& text, int las
   }
 }
 
+bool is_velodyne_calibration(const std::string& text) {
+  return text.find("boost_serialization") != std::string::npos ||
+         text.find("vert_correction") != std::string::npos;
+}
+
 Result<VelodyneCalibration> parse_velodyne_calibration(const std::string& text, int lasers,
                                                        const std::string& where) {
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
